@@ -14,4 +14,12 @@ void return_freed_memory() {
 #endif
 }
 
+void return_large_pieces() {
+#ifdef __GLIBC__
+  constexpr int kLarge = 512 << 10, kMostArenas = 2;
+  (void)mallopt(M_MMAP_THRESHOLD, kLarge);
+  (void)mallopt(M_ARENA_MAX, kMostArenas);
+#endif
+}
+
 }  // namespace gs

@@ -1,6 +1,7 @@
 #include "app/commands/encode.h"
 
 #include "app/base/console.h"
+#include "app/base/numbered_files.h"
 #include "app/commands/common/conversion_report.h"
 #include "app/commands/common/progress_bar.h"
 #include "app/commands/common/shared.h"
@@ -12,14 +13,16 @@
 #include "qnv/container/container.h"
 
 #include <chrono>
+#include <span>
 #include <utility>
 
 namespace gs::app {
 
 namespace {
 
-// Share of the memory limit that encoded clusters may take before they go to a temporary file.
-constexpr std::size_t kSpillShare = 8;
+// Share of the memory limit that encoded clusters may take before they go to a temporary file: 32 MB by default. While
+// they grow and move, they take three times as much.
+constexpr std::size_t kSpillShare = 64;
 
 void print_facts(const EncodeCommand& options, const OpenedInput& input, const qnv::EncodedStream& stream,
                  const StreamContents& contents, const std::vector<std::string>& losses,
@@ -29,7 +32,7 @@ void print_facts(const EncodeCommand& options, const OpenedInput& input, const q
   JsonValue lost = JsonValue::list();
   for (const std::string& loss : losses) lost.add(loss);
   print_text(
-      JsonValue::named({{"file", options.files[1]},
+      JsonValue::named({{"file", options.files.back()},
                         {"source", options.files[0]},
                         {"source_bytes", input.bytes},
                         {"contents", contents.text()},
@@ -71,6 +74,13 @@ std::optional<std::string> check_encode(const EncodeCommand& options) {
       method != EncodeMethod::values && method != EncodeMethod::gaussians)
     return "--parity protects displaced meshes, volumes and Gaussians only; expected --method auto, displaced, values "
            "or gaussians";
+  if (options.files.size() > 2 && (method != EncodeMethod::automatic && method != EncodeMethod::values))
+    return "several inputs are the steps of a time series; expected volumes and --method auto or values";
+  for (const std::string& file : std::span(options.files).first(options.files.size() - 1))
+    if (options.files.size() > 2 && file.ends_with(".qnv"))
+      return "several inputs are the steps of a time series; expected volumes, not '" + file + "'";
+  if (options.files.size() > 2 && (options.vectors > 0 || options.fraction > 0 || options.isovalue))
+    return "several inputs are the steps of a time series; --vectors, --fraction and --isovalue exclude them";
   if (outlines) {
     if (options.vectors > 0 || options.fraction > 0) return "--method outlines excludes --vectors and --fraction";
     const std::string& out = options.files.back();
@@ -81,19 +91,23 @@ std::optional<std::string> check_encode(const EncodeCommand& options) {
                : std::nullopt;
   }
   if (!options.files.back().ends_with(".qnv"))
-    return "expected OUT.qnv as the second file, not '" + options.files.back() + "'";
+    return "expected OUT.qnv as the last file, not '" + options.files.back() + "'";
   return std::nullopt;
 }
 
 int run_encode(const EncodeCommand& options) {
   if (options.method == EncodeMethod::outlines) return encode_outlines(options);
-  const std::string &in = options.files[0], &out = options.files[1];
+  const std::string &in = options.files.front(), &out = options.files.back();
+  std::vector<std::string> steps(options.files.begin(), options.files.end() - 1);
+  if (auto series = steps.size() == 1 ? file_series(in) : std::nullopt) steps = std::move(*series);
   const auto start = std::chrono::steady_clock::now();
   // The work may be long. Check before it whether the output may be written.
-  if (const auto refusal = refuse_to_replace(out, in, qnv::encode_header({}))) return fail(*refusal);
+  for (const std::string& step : steps)
+    if (const auto refusal = refuse_to_replace(out, step, qnv::encode_header({}))) return fail(*refusal);
   ProgressBar progress;
   progress.whole().stage = "reading";
-  const auto input = open_input(options, in);
+  if (steps.empty()) return fail(in + ": no files have this name with a number");
+  const auto input = steps.size() > 1 ? open_steps(options, steps) : open_input(options, steps.front());
   if (!input) return kFailed;
   auto begun = net::AtomicFile::begin(out);
   if (const auto* problem = std::get_if<net::FileError>(&begun)) return fail_to_write(problem->message);

@@ -120,6 +120,7 @@ std::shared_ptr<qnv::VolumeValues> values_of_file(const qnv::VolumeSource& volum
   values->missing = volume.layout.missing;
   values->exact = true;
   values->source = volume;
+  for (const qnv::VolumeSource& component : volume.components) values->components.push_back(values_of_file(component));
   return values;
 }
 
@@ -129,8 +130,8 @@ std::variant<qnv::Geometry, qnv::EncodeError> converted(const ExportCommand& opt
   if (auto* volume = std::get_if<qnv::VolumeSource>(&input.content);
       volume && (format.keeps & kNeedsValues) != 0 && !options.isovalue) {
     auto values = values_of_file(*volume);
-    for (const qnv::VolumeSource& component : volume->components)
-      values->components.push_back(values_of_file(component));
+    for (const qnv::VolumeSource& step : volume->steps) values->steps.push_back(values_of_file(step));
+    values->times = volume->times;
     qnv::Volume made;
     made.values = std::move(values);
     return qnv::Geometry(std::move(made));
@@ -158,8 +159,12 @@ std::string contents_of(const ExportFormat& format, const qnv::Geometry& geometr
                               : values.wrong ? shortest_text(100 * *values.wrong) + " % of the labels wrong"
                                              : "of a part of the stream";
     const std::size_t numbers = values.components.size();
-    return std::to_string(x) + " x " + std::to_string(y) + " x " + std::to_string(z) + " voxels" +
-           (numbers > 1 ? " of " + std::to_string(numbers) + " numbers" : "") + ", " + error;
+    const std::string steps = values.steps.empty() ? "" : std::to_string(values.steps.size()) + " steps of ";
+    return steps + std::to_string(x) + " x " + std::to_string(y) + " x " + std::to_string(z) + " voxels" +
+           (values.source.layout.colors ? " of colours"
+            : numbers > 1               ? " of " + std::to_string(numbers) + " numbers"
+                                        : "") +
+           ", " + error;
   }
   std::string text = mesh && !mesh->triangles.empty() ? counted(mesh->size(), "vertex", "vertices") + ", " +
                                                             counted(mesh->triangles.size() / 3, "triangle", "triangles")
@@ -234,6 +239,7 @@ int run_export(const ExportCommand& options) {
   if (chosen && (chosen->keeps & kNeedsValues) != 0) input = open_values_stream(in);
   if (!input) input = open_input(options, in);
   if (!input) return kFailed;
+  if (const auto problem = choose_step(options.component, *input)) return fail(in + ": " + *problem);
   if (const auto problem = choose_component(options.component, *input)) return fail(in + ": " + *problem);
   if (!format_of(options)) return fail(out + ": only scenes and meshes are written compressed; expected .wrl or .x3d");
   const ExportFormat& format = *format_of(options);

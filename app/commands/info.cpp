@@ -99,8 +99,9 @@ std::map<int, Level> levels_of(const qnv::StreamHeader& stream, std::span<const 
     } else if (type == qnv::ChunkType::values && blocks) {
       // The first number counts the blocks of all components.
       const auto part = qnv::values::without_component(payload, blocks->count());
-      const bool known = part && part->component < stream.grid.components;
-      const auto cluster = known ? qnv::values::parse_cluster(part->payload) : std::nullopt;
+      const std::size_t parts = stream.grid.components * std::max<std::size_t>(stream.steps.times.size(), 1);
+      const bool known = part && part->component < parts;
+      const auto cluster = known ? qnv::values::parse_cluster(part->payload, true) : std::nullopt;
       if (cluster) level = blocks->place(cluster->block).level - 1;
     } else if (type == qnv::ChunkType::labels) {
       if (const auto run = qnv::values::parse_label_run(payload)) level = run->level;
@@ -124,12 +125,28 @@ const char* name_of(qnv::VoxelType type) {
   return kNames[static_cast<std::size_t>(type)];
 }
 
+// Adds the number of steps of a time series, and their times: the first and the last one of many.
+void put_steps(JsonValue& facts, const std::vector<double>& times) {
+  constexpr std::size_t kMany = 16;
+  facts.put("steps", times.size());
+  if (times.size() > kMany) {
+    facts.put("first_time", times.front());
+    facts.put("last_time", times.back());
+    return;
+  }
+  JsonValue list = JsonValue::list();
+  for (const double time : times) list.add(time);
+  facts.put("times", std::move(list));
+}
+
 // Adds the grid of a stream of values, and the error of the received part.
 void put_values(JsonValue& facts, const qnv::StreamHeader& header, const qnv::Geometry& geometry) {
   const auto& [x, y, z] = header.grid.dimensions;
   facts.put("dimensions", JsonValue::list({x, y, z}));
   facts.put("type_of_voxels", name_of(header.grid.stored));
   if (header.grid.components > 1) facts.put("components", std::size_t{header.grid.components});
+  if (header.grid.colors) facts.put("colors", header.grid.luma ? "brightness and differences" : "red, green, blue");
+  if (!header.steps.times.empty()) put_steps(facts, header.steps.times);
   if (header.grid.labels) facts.put("labels", header.grid.palette.size());
   const auto* volume = geometry.as<qnv::Volume>();
   if (!volume || !volume->values) return;
@@ -264,6 +281,7 @@ bool describe_stream(JsonValue& facts, std::span<const std::byte> bytes, const s
 
 void describe_volume(JsonValue& facts, const qnv::VolumeSource& volume, Clock::time_point deadline) {
   const qnv::VolumeLayout& layout = volume.layout;
+  if (!volume.times.empty()) put_steps(facts, volume.times);
   facts.put("dimensions", JsonValue::list({layout.dimensions[0], layout.dimensions[1], layout.dimensions[2]}));
   facts.put("type_of_voxels", std::string(name_of(layout.type)) + (layout.big_endian ? "be" : ""));
   if (layout.labels) facts.put("labels", true);

@@ -3,9 +3,10 @@
 #include "app/base/console.h"
 #include "app/commands/common/picture_world.h"
 #include "app/commands/common/shared.h"
-#include "app/loading/world_loader.h"
-#include "app/settings/user_folders.h"
 #include "app/desktop/hand_over.h"
+#include "app/loading/world_loader.h"
+#include "app/picture/volume_show.h"
+#include "app/settings/user_folders.h"
 #include "app/viewer/headless.h"
 #include "app/viewer/viewer.h"
 
@@ -21,7 +22,9 @@ constexpr double kNoTimeout = 1e6;  // seconds; longer than any loading
 std::optional<std::string> check_open(const OpenCommand& options) {
   const bool window = options.snapshot.empty();
   if (!window && options.files.size() > 1) return "--snapshot: expected one file";
-  if (window && (options.time > 0 || !options.input.empty() || options.press_sensors))
+  const bool shows_step = options.time > 0 && !options.files.empty() &&
+                          (options.files.front().ends_with(".qnv") || has_volume_values(options.files.front()));
+  if (window && ((options.time > 0 && !shows_step) || !options.input.empty() || options.press_sensors))
     return "--time, --input and --press-sensors: expected with --snapshot";
   if (!window && options.control.any()) return "--control: expected without --snapshot; clients can request pictures";
   if (!options.control.any() && !options.control.token_file.empty()) return "--control-token: expected with --control";

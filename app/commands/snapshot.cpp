@@ -2,6 +2,7 @@
 #include "app/commands/common/picture_memory.h"
 #include "app/commands/common/picture_world.h"
 #include "app/commands/common/shared.h"
+#include "app/commands/common/streamed_parts.h"
 #include "app/commands/open.h"
 #include "app/loading/updates/limit_report.h"
 #include "app/loading/world_loader.h"
@@ -148,6 +149,7 @@ int run_snapshot(const OpenCommand& given_options, const std::string& named) {
   PhaseClock* const measured = options.stats.empty() ? nullptr : &phases;
   LoadOptions load = load_options(options);
   load.phases = measured;
+  load.large_by_view = true;
   if (options.backend == "glfw")
     return fail("--backend glfw needs a window; expected auto, egl or osmesa with --snapshot");
   // A confined process must not use drivers and devices, so it draws on the software path.
@@ -217,12 +219,27 @@ int run_snapshot(const OpenCommand& given_options, const std::string& named) {
   PictureScene scene{&list, camera, draw, unit, {}, measured};
   if (!options.stats.empty()) scene.over = [&](render::Image& band, int, const glm::ivec2&) { colors.add(band); };
   VolumeShow volume;
-  // Finer values of a volume that is larger than memory are decoded for the view that shows them.
+  const auto prepare = [&] {
+    scene.draw.splat_style.reading = volume.reading(options.volume, list);
+    // Streams that are larger than memory decode, and servers send, what the picture shows.
+    limit_drawing(0);
+    receive_for_picture(*loading, simulation.world(), options.timeout_seconds, [&] {
+      limit_drawing(options.timeout_seconds);
+      (void)paint_image(renderer, scene, options.picture);
+      limit_drawing(0);
+    });
+    limit_drawing(options.timeout_seconds);
+    return volume.prepare(options.volume, file, list, simulation.world().color_key,
+                          std::make_shared<Budget>(options.limits));
+  };
+  if (const auto problem = prepare()) return fail(*problem);
+  // The slices of such a stream have a place only now, and get finer values for it.
   const bool shows_values = !options.volume.slices.empty() || options.volume.display.needs_values();
-  if (shows_values && detail_revision(list) > 0) (void)paint_image(renderer, scene, options.picture);
-  if (const auto problem = volume.prepare(options.volume, file, list, simulation.world().color_key,
-                                          std::make_shared<Budget>(options.limits)))
-    return fail(*problem);
+  if (shows_values && detail_revision(list) > 0) {
+    scene.draw.splat_style.reading = volume.reading(options.volume, list);
+    if (!loading->streaming()) (void)paint_image(renderer, scene, options.picture);
+    if (const auto problem = prepare()) return fail(*problem);
+  }
   volume.apply(scene);
   auto picture = paint_png(renderer, scene, options.picture, &statistics, [&](double) {
     limit_drawing(options.timeout_seconds);  // start again for each band of a large picture

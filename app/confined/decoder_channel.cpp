@@ -82,14 +82,20 @@ void SharedMemory::unmap() {
   mapped_ = 0;
 }
 
+DecodeRequest request_of(DecodeOperation operation, std::size_t bytes, const render::ImageLimits& limits) {
+  return {operation, bytes, limits.file_pixels, limits.kept_pixels, limits.working_bytes};
+}
+
+std::string error_in(const DecodeAnswer& answer) {
+  const char* const end = std::find(std::begin(answer.text), std::end(answer.text), '\0');
+  std::string text(std::begin(answer.text), end);
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
+  return text.empty() ? "the decoder gave no result and no reason" : text;
+}
+
 std::variant<render::Image, render::ImageError> check_answer(const DecodeAnswer& answer, const DecodeRequest& request) {
-  if (answer.width == 0) {
-    const char* const end = std::find(std::begin(answer.text), std::end(answer.text), '\0');
-    std::string text(std::begin(answer.text), end);
-    for (char& c : text)
-      if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
-    return render::ImageError{text.empty() ? "the decoder gave no image and no reason" : text};
-  }
+  if (answer.width == 0) return render::ImageError{error_in(answer)};
   const std::uint64_t pixels = std::uint64_t{answer.width} * answer.height;
   const bool good = answer.height > 0 && answer.components >= 1 && answer.components <= 4 && answer.reduction >= 1 &&
                     answer.slices >= 1 && answer.height % answer.slices == 0 &&

@@ -15,19 +15,44 @@ namespace gs::app {
 /// Descriptors of a decoder child. The parent creates them all.
 enum DecoderDescriptor : int { kDecoderSocket = 3, kDecoderInput = 4, kDecoderResult = 5 };
 
+/// Work of a child. Operations after an `open_` one continue with its movie or sound.
+enum class DecodeOperation : std::uint32_t {
+  picture,      // decodes an image, or the first picture of a movie
+  examine,      // finds out the playable contents and the duration of a sound or movie
+  open_movie,   // opens a movie
+  movie_at,     // decodes the picture of the movie at `seconds`
+  open_sound,   // opens the sound of a sound or movie; `seconds` is the rate of synthesis
+  read_sound,   // reads up to `count` pairs of samples into the memory for results
+  seek_sound,   // seeks to `seconds`
+  import_file,  // imports a file; the first `count` bytes are the request
+  give_file,    // answers kAsksForFile: `bytes` bytes of results are the file, or its error if `count` is 0
+};
+
+/// Most pairs of samples that one request reads.
+inline constexpr std::uint64_t kMostPairs = 1 << 16;
+
 /// Request of the parent. The bytes to decode lie at the start of the input memory.
 struct DecodeRequest {
+  DecodeOperation operation = DecodeOperation::picture;
   std::uint64_t bytes = 0;
   std::uint64_t file_pixels = 0, kept_pixels = 0, working_bytes = 0;  // render::ImageLimits
+  double seconds = 0;
+  double known = -1;  // of movie_at: time of the picture that the parent has, which is not sent again
+  std::uint64_t count = 0;
 };
 
 /// First answer of the child. If there is an image, the parent makes room for its pixels in the memory for results and
 /// writes a byte. Then the child copies them there and answers with a byte.
 struct DecodeAnswer {
   static constexpr std::size_t kTextBytes = 400;
-  std::uint32_t width = 0, height = 0, components = 0, reduction = 0, slices = 0;  // all 0 after an error
+  static constexpr std::uint32_t kAsksForFile = 2;  // value of `good`: needs the file that `text` names
+  std::uint32_t width = 0, height = 0, components = 0, reduction = 0, slices = 0;  // all 0 if there is no image
   std::uint32_t cube = 0;
-  char text[kTextBytes] = {};  // the error, ended by a 0
+  std::uint32_t good = 0;                 // 1 if the operation succeeded
+  std::uint32_t pictures = 0, sound = 0;  // of examine
+  double seconds = 0;                     // duration of examine; time of a picture; rate of a sound in Hz
+  std::uint64_t count = 0;                // channels of open_sound; pairs of read_sound
+  char text[kTextBytes] = {};             // the error, ended by a 0
 };
 
 /// Writes all bytes to a descriptor. Returns false if the other end is closed.
@@ -65,8 +90,13 @@ class SharedMemory {
   std::size_t mapped_ = 0;
 };
 
+/// Returns a request for `bytes` bytes.
+[[nodiscard]] DecodeRequest request_of(DecodeOperation operation, std::size_t bytes,
+                                       const render::ImageLimits& limits = {});
+/// Returns the error in an answer. Control characters are replaced.
+[[nodiscard]] std::string error_in(const DecodeAnswer& answer);
 /// Returns the image of an answer, without its pixels, or the error in it. Trusts nothing: an image has 1 to 4
-/// components, at most `kept_pixels` pixels and possible slices. Control characters in a text are replaced.
+/// components, at most `kept_pixels` pixels and possible slices.
 [[nodiscard]] std::variant<render::Image, render::ImageError> check_answer(const DecodeAnswer& answer,
                                                                            const DecodeRequest& request);
 

@@ -4,12 +4,18 @@
 #include "app/base/exit_status.h"
 #include "app/confined/decoder_channel.h"
 #include "render/media/libav.h"
+#include "render/media/movie.h"
+#include "render/media/sample_reader.h"
 
 #include <algorithm>
 #include <csignal>
 #include <cstring>
+#include <memory>
 #include <new>
+#include <string>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -39,59 +45,210 @@ bool send(const Message& message) {
   return write_bytes(kDecoderSocket, std::as_bytes(std::span(&message, 1)));
 }
 
-std::variant<render::Image, render::ImageError> decode(std::span<const std::byte> bytes, const DecodeRequest& request) {
+using Decoded = std::variant<render::Image, render::ImageError>;
+
+void set_error(DecodeAnswer& answer, const std::string& message) {
+  message.copy(answer.text, DecodeAnswer::kTextBytes - 1);
+}
+
+/// Decoders of a child, with the movie or the sound that is open. One thread.
+class DecoderServer {
+ public:
+  explicit DecoderServer(ImportFile import_file) : import_file_(import_file) {}
+  /// Answers one request. Returns false if the parent ended, or sent what it never sends.
+  bool answer_request();
+
+ private:
+  /// Carries out a request. Sets `image` if the result has one.
+  void carry_out(const DecodeRequest& request, std::span<const std::byte> bytes, DecodeAnswer& answer, Decoded& image);
+  void examine(std::span<const std::byte> bytes, DecodeAnswer& answer);
+  void open_movie(std::span<const std::byte> bytes, const render::ImageLimits& limits, DecodeAnswer& answer);
+  void open_sound(std::span<const std::byte> bytes, double rate, DecodeAnswer& answer);
+  void read_sound(std::uint64_t pairs, DecodeAnswer& answer);
+  void import(const DecodeRequest& request, std::span<const std::byte> bytes, DecodeAnswer& answer);
+  /// Asks the parent for a file to which the imported one refers.
+  [[nodiscard]] std::optional<std::vector<std::byte>> ask_for_file(const std::string& reference, std::string& error);
+  /// Waits until the parent has made room for results, copies them there and says so. Returns false if it ended.
+  bool send_results(std::span<const std::byte> bytes);
+  [[nodiscard]] Decoded movie_at(const DecodeRequest& request, DecodeAnswer& answer);
+
+  SharedMemory input_{net::Descriptor(kDecoderInput), false}, result_{net::Descriptor(kDecoderResult), true};
+  ImportFile import_file_;
+  std::vector<std::byte> imported_;  // result of the last import
+  std::unique_ptr<render::Movie> movie_;
+  std::unique_ptr<render::SampleReader> sound_;
+};
+
+void DecoderServer::examine(std::span<const std::byte> bytes, DecodeAnswer& answer) {
+  const auto found = render::examine_media(bytes);
+  if (const auto* const error = std::get_if<render::MediaError>(&found)) return set_error(answer, error->message);
+  const auto& info = std::get<render::MediaInfo>(found);
+  answer.good = 1;
+  answer.pictures = info.pictures ? 1 : 0;
+  answer.sound = info.sound ? 1 : 0;
+  answer.seconds = info.duration;
+}
+
+void DecoderServer::open_movie(std::span<const std::byte> bytes, const render::ImageLimits& limits,
+                               DecodeAnswer& answer) {
+  movie_.reset();
+  auto opened = render::Movie::open(bytes, limits);
+  if (const auto* const error = std::get_if<render::ImageError>(&opened)) return set_error(answer, error->message);
+  movie_ = std::move(std::get<std::unique_ptr<render::Movie>>(opened));
+  answer.good = 1;
+}
+
+Decoded DecoderServer::movie_at(const DecodeRequest& request, DecodeAnswer& answer) {
+  if (!movie_) return render::ImageError{"no movie is open"};
+  auto found = movie_->at(request.seconds);
+  if (auto* const error = std::get_if<render::ImageError>(&found)) return std::move(*error);
+  const auto* const frame = std::get<const render::Movie::Frame*>(found);
+  if (!frame) return render::ImageError{"it has no pictures"};
+  answer.good = 1;
+  answer.seconds = frame->time;
+  if (frame->time == request.known) return render::ImageError{};
+  return frame->image;
+}
+
+void DecoderServer::open_sound(std::span<const std::byte> bytes, double rate, DecodeAnswer& answer) {
+  sound_.reset();
+  auto opened = render::open_samples(bytes, rate);
+  if (const auto* const error = std::get_if<render::MediaError>(&opened)) return set_error(answer, error->message);
+  sound_ = std::move(std::get<std::unique_ptr<render::SampleReader>>(opened));
+  answer.good = 1;
+  answer.seconds = sound_->rate();
+  answer.count = static_cast<std::uint64_t>(sound_->channels());
+}
+
+void DecoderServer::read_sound(std::uint64_t pairs, DecodeAnswer& answer) {
+  std::vector<float> samples(static_cast<std::size_t>(std::min(pairs, kMostPairs)) * 2);
+  const auto to = result_.map(samples.size() * sizeof(float));
+  if (!sound_ || to.size() < samples.size() * sizeof(float)) return set_error(answer, "no sound is open");
+  answer.count = sound_->read(samples);
+  std::memcpy(to.data(), samples.data(), static_cast<std::size_t>(answer.count) * 2 * sizeof(float));
+  answer.good = 1;
+}
+
+std::optional<std::vector<std::byte>> DecoderServer::ask_for_file(const std::string& reference, std::string& error) {
+  DecodeAnswer answer;
+  answer.good = DecodeAnswer::kAsksForFile;
+  if (reference.size() >= DecodeAnswer::kTextBytes) {
+    error = "its name is too long";
+    return std::nullopt;
+  }
+  set_error(answer, reference);
+  DecodeRequest reply;
+  if (!send(answer) || !read_bytes(kDecoderSocket, std::as_writable_bytes(std::span(&reply, 1)))) ::_exit(kFailed);
+  const auto found = reply.bytes > 0 ? result_.map(static_cast<std::size_t>(reply.bytes)) : std::span<std::byte>();
+  if (reply.operation != DecodeOperation::give_file || found.size() != reply.bytes) ::_exit(kFailed);
+  if (reply.count != 0) return std::vector<std::byte>(found.begin(), found.end());
+  error.assign(reinterpret_cast<const char*>(found.data()), found.size());
+  return std::nullopt;
+}
+
+void DecoderServer::import(const DecodeRequest& request, std::span<const std::byte> bytes, DecodeAnswer& answer) {
+  if (!import_file_ || request.count > bytes.size()) return set_error(answer, "it cannot be imported");
+  const auto head = static_cast<std::size_t>(request.count);
+  imported_ =
+      import_file_(bytes.first(head), bytes.subspan(head),
+                   [this](const std::string& reference, std::string& error) { return ask_for_file(reference, error); });
+  answer.good = 1;
+  answer.count = imported_.size();
+}
+
+bool DecoderServer::send_results(std::span<const std::byte> bytes) {
+  std::byte sign{};
+  if (!read_bytes(kDecoderSocket, {&sign, 1})) return false;
+  if (!bytes.empty()) {
+    const std::span<std::byte> to = result_.map(bytes.size());
+    if (to.size() != bytes.size()) return false;
+    std::memcpy(to.data(), bytes.data(), bytes.size());
+  }
+  return send(sign);
+}
+
+void DecoderServer::carry_out(const DecodeRequest& request, std::span<const std::byte> bytes, DecodeAnswer& answer,
+                              Decoded& image) {
   render::ImageLimits limits;
   limits.file_pixels = static_cast<std::size_t>(request.file_pixels);
   limits.kept_pixels = static_cast<std::size_t>(request.kept_pixels);
   limits.working_bytes = static_cast<std::size_t>(request.working_bytes);
-  try {
-    return render::decode_image(bytes, limits);
-  } catch (const std::bad_alloc&) {
-    return render::ImageError{"not enough memory to decode it"};
+  switch (request.operation) {
+    case DecodeOperation::picture:
+      image = render::decode_image(bytes, limits);
+      return;
+    case DecodeOperation::examine:
+      return examine(bytes, answer);
+    case DecodeOperation::open_movie:
+      return open_movie(bytes, limits, answer);
+    case DecodeOperation::movie_at:
+      image = movie_at(request, answer);
+      return;
+    case DecodeOperation::open_sound:
+      return open_sound(bytes, request.seconds, answer);
+    case DecodeOperation::read_sound:
+      return read_sound(request.count, answer);
+    case DecodeOperation::seek_sound:
+      if (!sound_) return set_error(answer, "no sound is open");
+      sound_->seek(request.seconds);
+      answer.good = 1;
+      return;
+    case DecodeOperation::import_file:
+      return import(request, bytes, answer);
+    case DecodeOperation::give_file:
+      return set_error(answer, "no file was requested");
   }
 }
 
-DecodeAnswer answer_of(const std::variant<render::Image, render::ImageError>& decoded) {
-  DecodeAnswer answer;
-  if (const auto* const error = std::get_if<render::ImageError>(&decoded)) {
-    error->message.copy(answer.text, DecodeAnswer::kTextBytes - 1);
-  } else {
-    const auto& image = std::get<render::Image>(decoded);
-    answer = {image.width, image.height, image.components, image.reduction, image.slices, image.cube ? 1u : 0u, {}};
-  }
-  return answer;
-}
-
-// Answers one request. Returns false if the parent ended, or sent what it never sends.
-bool answer_request(SharedMemory& input, SharedMemory& result) {
+bool DecoderServer::answer_request() {
   DecodeRequest request;
   if (!read_bytes(kDecoderSocket, std::as_writable_bytes(std::span(&request, 1)))) return false;
-  const std::span<const std::byte> bytes = input.map(static_cast<std::size_t>(request.bytes));
+  const bool continues = request.operation == DecodeOperation::movie_at ||
+                         request.operation == DecodeOperation::read_sound ||
+                         request.operation == DecodeOperation::seek_sound;
+  if (!continues) {
+    // The memory is mapped anew, so nothing may use the old bytes.
+    movie_.reset();
+    sound_.reset();
+    imported_ = {};
+  }
+  const std::span<const std::byte> bytes = input_.map(static_cast<std::size_t>(request.bytes));
   if (bytes.size() != request.bytes) return false;
-  const auto decoded = decode(bytes, request);
-  if (!send(answer_of(decoded))) return false;
-  const auto* const image = std::get_if<render::Image>(&decoded);
-  if (!image) return true;
-  std::byte sign{};
-  if (!read_bytes(kDecoderSocket, {&sign, 1})) return false;
-  const std::span<std::byte> to = result.map(image->pixels.size());
-  if (to.size() != image->pixels.size()) return false;
-  std::memcpy(to.data(), image->pixels.data(), to.size());
-  return send(sign);
+  DecodeAnswer answer;
+  Decoded image = render::ImageError{};
+  try {
+    carry_out(request, bytes, answer, image);
+  } catch (const std::bad_alloc&) {
+    set_error(answer, "not enough memory to decode it");
+  }
+  if (const auto* const decoded = std::get_if<render::Image>(&image)) {
+    answer.width = decoded->width;
+    answer.height = decoded->height;
+    answer.components = decoded->components;
+    answer.reduction = decoded->reduction;
+    answer.slices = decoded->slices;
+    answer.cube = decoded->cube ? 1 : 0;
+  } else if (const std::string& message = std::get<render::ImageError>(image).message; !message.empty()) {
+    set_error(answer, message);
+  }
+  if (!send(answer)) return false;
+  if (const auto* const decoded = std::get_if<render::Image>(&image))
+    return send_results(std::as_bytes(std::span(decoded->pixels)));
+  return request.operation != DecodeOperation::import_file || answer.good != 1 || send_results(imported_);
 }
 
 }  // namespace
 
 std::string_view name_of(DecoderKind kind) { return kind == DecoderKind::movies ? "movies" : "pictures"; }
 
-void run_decoder_child(std::string_view kind) {
+void run_decoder_child(std::string_view kind, ImportFile import_file) {
   (void)std::signal(SIGPIPE, SIG_IGN);
   (void)std::signal(SIGINT, SIG_IGN);  // Ctrl-C on the terminal is for the parent
   (void)::prctl(PR_SET_DUMPABLE, 0);
   if (kind == name_of(DecoderKind::movies)) (void)render::libav();
   if (!limit_resources() || confine_decoder()) ::_exit(kFailed);
-  SharedMemory input(net::Descriptor(kDecoderInput), false), result(net::Descriptor(kDecoderResult), true);
-  while (answer_request(input, result)) {
+  DecoderServer server(import_file);
+  while (server.answer_request()) {
   }
   ::_exit(kDone);  // destructors and leak checks need calls that are refused now
 }

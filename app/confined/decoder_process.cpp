@@ -2,6 +2,7 @@
 
 #include "app/base/environment.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
@@ -58,17 +59,17 @@ net::Descriptor copy_above(int file) { return net::Descriptor(::fcntl(file, F_DU
 
 }  // namespace
 
-DecoderProcess::DecoderProcess(const std::string& program, DecoderKind kind) { start(program, kind); }
+DecoderProcess::DecoderProcess(const std::string& program, DecoderKind kind, int file) { start(program, kind, file); }
 
 DecoderProcess::~DecoderProcess() { (void)end(); }
 
-void DecoderProcess::start(const std::string& program, DecoderKind kind) {
+void DecoderProcess::start(const std::string& program, DecoderKind kind, int file) {
   auto input = SharedMemory::create(), result = SharedMemory::create();
   int ends[2] = {-1, -1};
   if (!input || !result || ::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) return;
   net::Descriptor own(ends[0]);
   const net::Descriptor others(ends[1]);
-  const net::Descriptor socket_end = copy_above(others.get()), input_end = copy_above(input->file()),
+  const net::Descriptor socket_end = copy_above(others.get()), input_end = copy_above(file >= 0 ? file : input->file()),
                         result_end = copy_above(result->file());
   if (!socket_end || !input_end || !result_end) return;
   child_ = spawn(
@@ -79,36 +80,101 @@ void DecoderProcess::start(const std::string& program, DecoderKind kind) {
   result_ = std::move(*result);
 }
 
-std::variant<render::Image, render::ImageError> DecoderProcess::decode(std::span<const std::byte> bytes,
-                                                                       const render::ImageLimits& limits,
-                                                                       std::chrono::milliseconds patience) {
-  if (!good()) return render::ImageError{"the process for decoding cannot be started"};
-  if (bytes.empty() || !input_.grow(bytes.size())) return render::ImageError{"no memory to decode it"};
+bool DecoderProcess::load(std::span<const std::byte> bytes, std::span<const std::byte> more) {
+  const std::size_t all = bytes.size() + more.size();
+  if (bytes.empty() || !input_.grow(all)) return false;
   const std::span<std::byte> to = input_.map(input_.size());
-  if (to.size() < bytes.size()) return render::ImageError{"no memory to decode it"};
-  std::memcpy(to.data(), bytes.data(), bytes.size());
-  const DecodeRequest request{bytes.size(), limits.file_pixels, limits.kept_pixels, limits.working_bytes};
-  const Clock::time_point end = Clock::now() + patience;
-  if (!send(std::as_bytes(std::span(&request, 1)))) return failure(Wait::ended);
-  DecodeAnswer answer;
-  if (const Wait wait = receive(std::as_writable_bytes(std::span(&answer, 1)), limits, end); wait != Wait::answered)
-    return failure(wait);
-  auto checked = check_answer(answer, request);
-  auto* const image = std::get_if<render::Image>(&checked);
-  if (!image) return checked;
-  const std::size_t pixel_bytes = std::size_t{image->width} * image->height * image->components;
-  if (!result_.grow(pixel_bytes)) {
+  if (to.size() < all) return false;
+  std::ranges::copy(bytes, to.begin());
+  std::ranges::copy(more, to.begin() + static_cast<std::ptrdiff_t>(bytes.size()));
+  return true;
+}
+
+bool DecoderProcess::put_result(std::span<const std::byte> bytes) {
+  if (bytes.empty()) return true;
+  if (!result_.grow(bytes.size())) return false;
+  const std::span<std::byte> to = result_.map(result_.size());
+  if (to.size() < bytes.size()) return false;
+  std::ranges::copy(bytes, to.begin());
+  return true;
+}
+
+std::optional<render::ImageError> DecoderProcess::await_results(std::size_t bytes, const Stopped& stopped,
+                                                                Clock::time_point end) {
+  if (!result_.grow(bytes)) {
     (void)this->end();  // it waits for the memory
-    return render::ImageError{"no memory for its pixels"};
+    return render::ImageError{"no memory for the result"};
   }
   std::byte sign{1};
   if (!send({&sign, 1})) return failure(Wait::ended);
-  if (const Wait wait = receive({&sign, 1}, limits, end); wait != Wait::answered) return failure(wait);
-  const std::span<const std::byte> pixels = result_.map(result_.size());
+  if (const Wait wait = receive({&sign, 1}, stopped, end); wait != Wait::answered) return failure(wait);
+  return std::nullopt;
+}
+
+std::variant<std::vector<std::byte>, render::ImageError> DecoderProcess::take_bytes(const DecodeAnswer& answer,
+                                                                                    const Stopped& stopped,
+                                                                                    std::chrono::milliseconds patience,
+                                                                                    std::uint64_t most) {
+  if (answer.good != 1) return render::ImageError{error_in(answer)};
+  if (answer.count > most) {
+    (void)end();
+    return render::ImageError{"its result exceeds the memory of a world"};
+  }
+  const auto size = static_cast<std::size_t>(answer.count);
+  if (auto error = await_results(size, stopped, Clock::now() + patience)) return std::move(*error);
+  const std::span<const std::byte> bytes = results(size);
+  if (bytes.size() < size) return render::ImageError{"no memory for the result"};
+  return std::vector<std::byte>(bytes.begin(), bytes.end());
+}
+
+std::variant<DecodeAnswer, render::ImageError> DecoderProcess::ask(const DecodeRequest& request, const Stopped& stopped,
+                                                                   std::chrono::milliseconds patience,
+                                                                   std::size_t result_bytes) {
+  if (!good()) return render::ImageError{"the process for decoding cannot be started"};
+  if (!result_.grow(result_bytes)) return render::ImageError{"no memory for the result"};
+  if (!send(std::as_bytes(std::span(&request, 1)))) return failure(Wait::ended);
+  DecodeAnswer answer;
+  const Wait wait = receive(std::as_writable_bytes(std::span(&answer, 1)), stopped, Clock::now() + patience);
+  if (wait != Wait::answered) return failure(wait);
+  return answer;
+}
+
+std::variant<render::Image, render::ImageError> DecoderProcess::ask_image(const DecodeRequest& request,
+                                                                          const Stopped& stopped,
+                                                                          std::chrono::milliseconds patience,
+                                                                          DecodeAnswer& answer) {
+  const Clock::time_point end = Clock::now() + patience;
+  auto answered = ask(request, stopped, patience);
+  if (auto* const error = std::get_if<render::ImageError>(&answered)) return std::move(*error);
+  answer = std::get<DecodeAnswer>(answered);
+  auto checked = check_answer(answer, request);
+  auto* const image = std::get_if<render::Image>(&checked);
+  if (!image) {
+    if (answer.width != 0) (void)this->end();  // it waits for memory
+    return checked;
+  }
+  const std::size_t pixel_bytes = std::size_t{image->width} * image->height * image->components;
+  if (auto error = await_results(pixel_bytes, stopped, end)) return std::move(*error);
+  const std::span<const std::byte> pixels = results(pixel_bytes);
   if (pixels.size() < pixel_bytes) return render::ImageError{"no memory for its pixels"};
   const auto* const first = reinterpret_cast<const std::uint8_t*>(pixels.data());
   image->pixels.assign(first, first + pixel_bytes);
   return checked;
+}
+
+std::variant<render::Image, render::ImageError> DecoderProcess::decode(std::span<const std::byte> bytes,
+                                                                       const render::ImageLimits& limits,
+                                                                       std::chrono::milliseconds patience) {
+  if (!good()) return render::ImageError{"the process for decoding cannot be started"};
+  if (!load(bytes)) return render::ImageError{"no memory to decode it"};
+  DecodeAnswer answer;
+  return ask_image(request_of(DecodeOperation::picture, bytes.size(), limits), limits.stopped, patience, answer);
+}
+
+std::span<const std::byte> DecoderProcess::results(std::size_t bytes) {
+  if (bytes == 0 || bytes > result_.size()) return {};
+  const std::span<const std::byte> all = result_.map(result_.size());
+  return all.size() < bytes ? std::span<const std::byte>() : all.first(bytes);
 }
 
 bool DecoderProcess::send(std::span<const std::byte> bytes) const {
@@ -116,14 +182,14 @@ bool DecoderProcess::send(std::span<const std::byte> bytes) const {
   return ::send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(bytes.size());
 }
 
-DecoderProcess::Wait DecoderProcess::receive(std::span<std::byte> bytes, const render::ImageLimits& limits,
+DecoderProcess::Wait DecoderProcess::receive(std::span<std::byte> bytes, const Stopped& stopped,
                                              Clock::time_point end) {
   while (!bytes.empty()) {
     pollfd ready{socket_.get(), POLLIN, 0};
     const int found = ::poll(&ready, 1, 20);
     if (found < 0 && errno != EINTR) return Wait::ended;
     if (found <= 0) {
-      if (limits.stopped && limits.stopped()) return Wait::stopped;
+      if (stopped && stopped()) return Wait::stopped;
       if (Clock::now() >= end) return Wait::late;
       continue;
     }

@@ -5,19 +5,26 @@
 #include "base/noncopyable.h"
 
 #include <chrono>
+#include <cstddef>
+#include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include <sys/types.h>
 
 namespace gs::app {
 
-/// Confined child process that decodes images. One thread at a time.
+/// Confined child process that decodes images, sounds and movies. One thread at a time.
 class DecoderProcess : NonCopyable {
  public:
-  /// Starts `program` as a decoder child. If that fails, decode() says so.
-  DecoderProcess(const std::string& program, DecoderKind kind);
+  using Stopped = std::function<bool()>;
+
+  /// Starts `program` as a decoder child. If that fails, requests say so. If `file` is not negative, the child reads
+  /// that open file instead of bytes from load().
+  DecoderProcess(const std::string& program, DecoderKind kind, int file = -1);
   /// Ends the child.
   ~DecoderProcess();
 
@@ -26,7 +33,27 @@ class DecoderProcess : NonCopyable {
   [[nodiscard]] std::variant<render::Image, render::ImageError> decode(std::span<const std::byte> bytes,
                                                                        const render::ImageLimits& limits,
                                                                        std::chrono::milliseconds patience);
-  /// Reports whether the child can decode more images.
+  /// Copies the bytes that the next requests decode to the child's memory. Returns false if memory is insufficient.
+  [[nodiscard]] bool load(std::span<const std::byte> bytes, std::span<const std::byte> more = {});
+  /// Copies bytes to the memory for results, for a child that asked for them. Returns false if memory is insufficient.
+  [[nodiscard]] bool put_result(std::span<const std::byte> bytes);
+  /// Takes the bytes that an answer announces, at most `most`, or its error.
+  [[nodiscard]] std::variant<std::vector<std::byte>, render::ImageError> take_bytes(const DecodeAnswer& answer,
+                                                                                    const Stopped& stopped,
+                                                                                    std::chrono::milliseconds patience,
+                                                                                    std::uint64_t most);
+  /// Sends a request and waits for its answer, as decode() does. Makes room for `result_bytes` bytes of results first.
+  [[nodiscard]] std::variant<DecodeAnswer, render::ImageError> ask(const DecodeRequest& request, const Stopped& stopped,
+                                                                   std::chrono::milliseconds patience,
+                                                                   std::size_t result_bytes = 0);
+  /// Like ask(), for requests that give an image. `answer` receives the answer.
+  [[nodiscard]] std::variant<render::Image, render::ImageError> ask_image(const DecodeRequest& request,
+                                                                          const Stopped& stopped,
+                                                                          std::chrono::milliseconds patience,
+                                                                          DecodeAnswer& answer);
+  /// Returns the first `bytes` bytes of the memory for results; fewer than that if they cannot be mapped.
+  [[nodiscard]] std::span<const std::byte> results(std::size_t bytes);
+  /// Reports whether the child can decode more.
   [[nodiscard]] bool good() const { return child_ > 0; }
   /// Reports whether the child runs. One that ended is of no more use (see good()).
   [[nodiscard]] bool runs();
@@ -35,9 +62,12 @@ class DecoderProcess : NonCopyable {
  private:
   using Clock = std::chrono::steady_clock;
   enum class Wait : unsigned char { answered, ended, stopped, late };
-  void start(const std::string& program, DecoderKind kind);
+  void start(const std::string& program, DecoderKind kind, int file);
+  /// Makes room for results that the child has announced, and waits until it has copied them.
+  [[nodiscard]] std::optional<render::ImageError> await_results(std::size_t bytes, const Stopped& stopped,
+                                                                Clock::time_point end);
   [[nodiscard]] bool send(std::span<const std::byte> bytes) const;
-  [[nodiscard]] Wait receive(std::span<std::byte> bytes, const render::ImageLimits& limits, Clock::time_point end);
+  [[nodiscard]] Wait receive(std::span<std::byte> bytes, const Stopped& stopped, Clock::time_point end);
   [[nodiscard]] render::ImageError failure(Wait wait);
   /// Ends the child. Returns the reason as text if the child had already ended, else an empty text.
   std::string end();

@@ -3,6 +3,7 @@
 #include "app/formats/common/scene_builder.h"
 #include "app/formats/foreign_types.h"
 #include "app/formats/gltf/gltf.h"
+#include "app/formats/gltf/gltf_splats.h"
 #include "app/formats/mesh/points.h"
 #include "app/formats/splats/splats.h"
 #include "app/formats/splats/splats_sog.h"
@@ -124,6 +125,7 @@ std::span<const ContentType> content_types() {
         {"points PLY", "application/x-ply", "", is_points_ply, kSplats, read_vectors<import_points_ply>,
          UpRule::survey},
         kPlyFormat,
+        {"glTF splats", "model/gltf-binary", "", is_gltf_splats, kSplats, read_gltf_splats},
         {"glTF", "model/gltf-binary", ".glb .gltf ", is_glb, ContentClass::mesh, read_gltf, UpRule::y, false, true},
         kObjFormat,
         kOffFormat,
@@ -175,7 +177,7 @@ std::optional<std::string> refuse_first_bytes(std::string_view path, Bytes first
 }
 
 std::vector<std::byte> first_bytes(Bytes bytes) {
-  constexpr std::size_t kEnough = 8192;  // the header of a PLY file with splats has a hundred properties
+  constexpr std::size_t kEnough = 32768;  // a glTF with splats may list 60 accessors before it names its extensions
   if (!is_gzip(bytes)) {
     const Bytes head = bytes.first(std::min(bytes.size(), kEnough));
     return {head.begin(), head.end()};

@@ -82,6 +82,8 @@ class WorldLoading {
   /// Returns true if views still request finer vectors of streams. The caller must then continue to call `step`, which
   /// changes only these streams. Call only after `take`.
   [[nodiscard]] bool streaming() const;
+  /// Returns true if these streams have received everything that views requested before the last `step`.
+  [[nodiscard]] bool streams_rest() const;
   /// Returns true if bytes of the streams of `streaming` were received since the last call.
   [[nodiscard]] bool streams_grew();
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/confined/media_decoding.h"
 #include "base/budget.h"
 #include "base/noncopyable.h"
 #include "net/files/file.h"
@@ -23,6 +24,7 @@ class MediaFile : NonCopyable {
   explicit MediaFile(net::MappedFile file, Share held) : held_(std::move(held)), file_(std::move(file)) {}
 
   [[nodiscard]] std::span<const std::byte> bytes() const { return file_ ? file_->bytes() : copy_; }
+  [[nodiscard]] EncodedMedia encoded() const { return {bytes(), file_ ? file_->descriptor() : -1}; }
 
   render::MediaInfo info;
   std::string name;  // name of the file in messages

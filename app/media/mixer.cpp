@@ -104,7 +104,7 @@ void Mixer::take_over() {
       playing = std::move(*known);
     } else {
       playing = std::make_unique<Playing>();
-      auto reader = render::open_samples(voice.file->bytes(), kMixRate);
+      auto reader = open_samples_confined(voice.file->encoded(), kMixRate);
       if (auto* good = std::get_if<std::unique_ptr<render::SampleReader>>(&reader))
         playing->stream =
             std::make_unique<VoiceStream>(voice.file, std::move(*good), voice.duration,

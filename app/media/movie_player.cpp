@@ -10,13 +10,14 @@
 
 namespace gs::app {
 
-/// State of a player's decoder. Only the decoding thread uses `movie` and `opened`; MoviePlayers::mutex_ guards the
+/// State of a player's decoder. Only the decoding thread uses `movie`, `opened` and `decoded_problem`; MoviePlayers::mutex_ guards the
 /// other members.
 struct MoviePlayers::Player::Decoder {
-  std::unique_ptr<render::Movie> movie;
+  std::unique_ptr<MovieSource> movie;
   bool opened = false;
   double wanted = -1, done = -1;  // seconds of movie time
   bool busy = false;
+  std::string problem, decoded_problem;  // not taken yet; of the decoding thread, not handed over yet
   std::optional<render::Movie::Frame> ready;
   double ready_time = -1;  // requested movie time of the picture decoded last
 
@@ -26,14 +27,19 @@ struct MoviePlayers::Player::Decoder {
     if (!std::exchange(opened, true)) {
       render::ImageLimits limits = texture_limits(of.budget_);
       limits.stopped = [over = of.over_] { return over->load(); };
-      auto result = render::Movie::open(of.file_->bytes(), limits);
-      if (auto* good = std::get_if<std::unique_ptr<render::Movie>>(&result)) movie = std::move(*good);
+      auto result = open_movie_confined(of.file_->encoded(), limits);
+      if (auto* good = std::get_if<std::unique_ptr<MovieSource>>(&result))
+        movie = std::move(*good);
+      else
+        decoded_problem = std::get<render::ImageError>(result).message;
     }
     if (!movie) return std::nullopt;
     const auto found = movie->at(seconds);
     const auto* frame = std::get_if<const render::Movie::Frame*>(&found);
     if (!frame || !*frame) {
-      movie.reset();  // the file is damaged here; the last picture stays
+      movie.reset();  // the last picture stays
+      const auto* const error = std::get_if<render::ImageError>(&found);
+      decoded_problem = error ? error->message : "it has no picture";
       return std::nullopt;
     }
     if ((*frame)->time == before) return std::nullopt;
@@ -69,6 +75,8 @@ bool MoviePlayers::show(const std::shared_ptr<Player>& of, double seconds, bool 
   std::optional<render::Movie::Frame> frame;
   if (wait) {
     frame = decoder.decode(player, seconds, player.shown_time_);
+    const std::lock_guard lock(mutex_);
+    if (!decoder.decoded_problem.empty()) decoder.problem = std::exchange(decoder.decoded_problem, {});
   } else {
     if (!thread_.joinable()) thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
     {
@@ -96,6 +104,11 @@ bool MoviePlayers::show(const std::shared_ptr<Player>& of, double seconds, bool 
 bool MoviePlayers::waits(const Player& player) {
   const std::lock_guard lock(mutex_);
   return player.decoder_->ready || player.decoder_->busy || player.decoder_->wanted != player.decoder_->done;
+}
+
+std::string MoviePlayers::take_problem(const Player& player) {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(player.decoder_->problem, {});
 }
 
 void MoviePlayers::run(const std::stop_token& stop) {
@@ -126,6 +139,7 @@ void MoviePlayers::run(const std::stop_token& stop) {
     const std::lock_guard lock(mutex_);
     decoder.done = wanted;
     decoder.busy = false;
+    if (!decoder.decoded_problem.empty()) decoder.problem = std::exchange(decoder.decoded_problem, {});
     if (!frame) continue;
     decoder.ready_time = frame->time;
     decoder.ready = std::move(frame);

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -33,6 +34,8 @@ class MoviePlayers : NonCopyable {
   bool show(const std::shared_ptr<Player>& player, double seconds, bool wait);
   /// Reports whether a requested picture still has to be decoded or shown.
   [[nodiscard]] bool waits(const Player& player);
+  /// Returns the reason why a movie shows no further pictures, the first time; else an empty text.
+  [[nodiscard]] std::string take_problem(const Player& player);
 
  private:
   void run(const std::stop_token& stop);

@@ -124,12 +124,11 @@ std::optional<std::string> VolumeShow::prepare(const VolumeWishes& wishes, const
   apply_display(wishes, display_, slices_);
   if (wishes.slices.empty() && !image && !display_.needs_values()) return std::nullopt;
   if (!streamed && !has_volume_values(path)) return path + ": " + std::string(kValuesNeeded);
-  auto grid = streamed ? VolumeGrid::take(streamed->source, nullptr, budget, VolumeGrid::kMaxVoxels, streamed->range,
-                                           streamed->bricks)
+  auto grid = streamed ? VolumeGrid::take(streamed->source, nullptr, budget, VolumeGrid::kMaxVoxels, streamed.get())
                        : VolumeGrid::read(path, nullptr, budget, VolumeGrid::kMaxVoxels, wishes.component);
   if (auto* problem = std::get_if<std::string>(&grid)) return std::move(*problem);
   grid_ = std::move(std::get<std::shared_ptr<const VolumeGrid>>(grid));
-  for (const SliceWish& wish : wishes.slices) gs::app::apply(wish, grid_->dimensions(), slices_);
+  for (const SliceWish& wish : wishes.slices) gs::app::apply(wish, grid_->whole(), slices_);
   if (image) show_image(*grid_, *image, slices_);
   return derive(*first_volume_geometry(list), budget);
 }
@@ -158,6 +157,18 @@ std::optional<std::string> VolumeShow::derive(const qnv::Geometry& geometry, con
   if (display_.share != kUsualShare)
     return take(vectors_of_share(grid_, *geometry.as<qnv::Volume>(), display_.share, budget), content_.vectors);
   return std::nullopt;
+}
+
+render::VolumeReading VolumeShow::reading(const VolumeWishes& wishes, const render::RenderList& list) const {
+  VolumeDisplay display;
+  VolumeSlices slices = slices_;
+  apply_display(wishes, display, slices);
+  render::VolumeReading reading;
+  reading.values = !wishes.slices.empty() || wishes.display.needs_values();
+  reading.only_slices = !wishes.slices.empty() && slices.alone && !display.surface;
+  const auto world_from_node = world_from_volume(list);
+  if (grid_ && world_from_node) reading.slices = slice_planes(*grid_, slices_, *world_from_node);
+  return reading;
 }
 
 void VolumeShow::apply(PictureScene& scene) {

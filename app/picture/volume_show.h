@@ -45,6 +45,8 @@ class VolumeShow {
   [[nodiscard]] std::optional<std::string> prepare(const VolumeWishes& wishes, const std::string& path,
                                                    const render::RenderList& list, const std::optional<ColorKey>& key,
                                                    const WorldBudget& budget);
+  /// Returns the values that the picture shows besides the vectors, as far as prepare() has found their places.
+  [[nodiscard]] render::VolumeReading reading(const VolumeWishes& wishes, const render::RenderList& list) const;
   /// Applies the options to the render list, the splat style and the overlay of `scene`. This object must outlive
   /// `scene`.
   void apply(PictureScene& scene);

@@ -36,6 +36,19 @@ CellStream::CellStream(const net::Url& url, const CellStreamOptions& options, Si
     return;
   }
   driver_ = std::move(std::get<std::unique_ptr<net::CellClientDriver>>(started));
+  want(url, options);
+}
+
+CellStream::CellStream(const net::Url& url, const CellStreamOptions& options, Sink sink,
+                       std::unique_ptr<net::CellConnection> connection)
+    : name_(net::url_for_messages(url.text())),
+      sink_(std::move(sink)),
+      driver_(std::move(connection)),
+      rate_(options.rate) {
+  want(url, options);
+}
+
+void CellStream::want(const net::Url& url, const CellStreamOptions& options) {
   net::CellWish wish;
   wish.path = url.path.empty() ? "/" : url.path;
   wish.budget = options.budget;

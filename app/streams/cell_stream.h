@@ -38,6 +38,9 @@ class CellStream {
   };
   /// Requests the stream at `url` (cells://host:port/path). Another thread calls `wake` after it has received data.
   CellStream(const net::Url& url, const CellStreamOptions& options, Sink sink, std::function<void()> wake);
+  /// Requests the stream over an existing connection.
+  CellStream(const net::Url& url, const CellStreamOptions& options, Sink sink,
+             std::unique_ptr<net::CellConnection> connection);
 
   /// Handles received data. Returns true if there were any.
   bool step();
@@ -54,13 +57,14 @@ class CellStream {
   [[nodiscard]] net::CellClientStatistics statistics() const;
 
  private:
+  void want(const net::Url& url, const CellStreamOptions& options);
   void take(net::CellEvent& event);
   void follow_weight();
   void end(const std::optional<std::string>& problem);
 
   std::string name_;  // URL, for messages
   Sink sink_;
-  std::unique_ptr<net::CellClientDriver> driver_;
+  std::unique_ptr<net::CellConnection> driver_;
   net::CellClientStatistics last_;  // final statistics, after the driver has ended
   std::shared_ptr<StreamFeed> feed_;
   std::string problem_;  // error before the first request

@@ -21,7 +21,7 @@ constexpr int kDirectoryPriority = 1900, kChunkPriority = 1500;  // between Urge
 
 }  // namespace
 
-RangedStream::RangedStream(net::Loader& loader, std::shared_ptr<StreamFeed> feed, Place place, Sink sink)
+RangedStream::RangedStream(net::LoadRequests& loader, std::shared_ptr<StreamFeed> feed, Place place, Sink sink)
     : loader_(loader), feed_(std::move(feed)), place_(std::move(place)), sink_(std::move(sink)) {
   if (!has_fetch()) place_.ledger->follow(place_.row, feed_.get(), true);
   if (place_.total - place_.directory > kMaxDirectory)

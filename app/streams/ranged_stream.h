@@ -38,7 +38,7 @@ class RangedStream {
     std::function<void(const std::optional<std::string>& problem)> end;
     std::function<void()> read_on;  // the directory is unusable; the bytes after `front` must be read in order
   };
-  RangedStream(net::Loader& loader, std::shared_ptr<StreamFeed> feed, Place place, Sink sink = {});
+  RangedStream(net::LoadRequests& loader, std::shared_ptr<StreamFeed> feed, Place place, Sink sink = {});
 
   /// Requests chunks that views want now. Returns true if it made a request.
   bool ask_for_more();
@@ -49,8 +49,12 @@ class RangedStream {
   [[nodiscard]] bool has_fetch() const { return !feed_->takes_bytes(); }
   /// Cancels all requests and ends the stream. Does not call the sink.
   void cancel();
+  /// Returns true if the directory was received, so that views choose the chunks.
+  [[nodiscard]] bool has_directory() const { return has_directory_; }
   /// Returns true if the stream is complete, failed or cancelled.
   [[nodiscard]] bool over() const { return over_; }
+  /// Returns true if no requested data is awaited.
+  [[nodiscard]] bool rests() const { return !directory_request_ && open_.empty(); }
 
  private:
   /// Request for several chunks, with the chunks that are still incomplete, by their end offsets.
@@ -67,7 +71,7 @@ class RangedStream {
   void give_up(const std::string& why);
   void stop();
 
-  net::Loader& loader_;
+  net::LoadRequests& loader_;
   std::shared_ptr<StreamFeed> feed_;
   Place place_;
   Sink sink_;

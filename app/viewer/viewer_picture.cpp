@@ -71,6 +71,7 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   if (seen.budget > 0) draw.budget = std::min(draw.budget, seen.budget);
   draw.unit = static_cast<float>(seen.scale);
   draw.splat_style = seen.look;
+  draw.splat_style.reading = tools_.reading_of(seen);
   apply_style(seen, draw);
   draw.guides = tools_.guides(seen);
   const render::RenderList& list = tools_.shown(picture.pane, seen);

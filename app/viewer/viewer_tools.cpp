@@ -44,9 +44,23 @@ std::string label_text(double label) {
   return buffer;
 }
 
-std::string voxel_text(const glm::dvec3& p) {
+std::string color_text(const std::array<std::uint8_t, 4>& color) {
+  char buffer[64];
+  std::snprintf(buffer, sizeof buffer, "R G B %d %d %d", color[0], color[1], color[2]);
+  return buffer + (color[3] < 255 ? ", opacity " + std::to_string(color[3]) : std::string());
+}
+
+// Text after a value that may differ from that of the source.
+std::string accuracy_text(const std::optional<float>& error) {
+  if (!error) return {};
+  return *error == 0 ? ", exact," : ", within " + readable_value(static_cast<double>(*error)) + ",";
+}
+
+// Names the voxel of the whole volume at a position in voxels of a grid.
+std::string voxel_text(const VolumeGrid& grid, const glm::dvec3& p) {
   char buffer[96];
-  std::snprintf(buffer, sizeof buffer, "voxel %.0f, %.0f, %.0f", p.x, p.y, p.z);
+  std::snprintf(buffer, sizeof buffer, "voxel %.0f, %.0f, %.0f", p.x * grid.fineness(0), p.y * grid.fineness(1),
+                p.z * grid.fineness(2));
   return buffer;
 }
 
@@ -56,7 +70,8 @@ ViewerTools::ViewerTools(const ViewerOptions& options, render::Renderer& rendere
     : options_(options), renderer_(renderer), values_(options.volume.component), folder_(pictures_folder()) {}
 
 bool ViewerTools::take_values() {
-  const bool any = values_.take();
+  const bool due = steps_.playing && std::chrono::steady_clock::now() >= steps_.next;
+  const bool any = values_.take() || due;
   probe_due_ = probe_due_ || any;
   return any;
 }
@@ -158,7 +173,7 @@ void ViewerTools::show_as_wished(View& seen, const Tell& tell) {
   if (!values.grid && values.problem.empty()) return;
   known->all = true;
   if (!values.grid) return tell("Slices: " + values.problem, true);
-  for (const SliceWish& wish : wishes.slices) gs::app::apply(wish, values.grid->dimensions(), seen.slices);
+  for (const SliceWish& wish : wishes.slices) gs::app::apply(wish, values.grid->whole(), seen.slices);
   if (image) show_image(*values.grid, *image, seen.slices);
 }
 
@@ -197,10 +212,13 @@ void ViewerTools::probe(const View& seen, const Viewport& place) {
     if (values.grid) {
       const glm::dvec3 voxel =
           values.grid->voxel_at(glm::dvec3(glm::inverse(*world_from_node) * glm::dvec4(hit->point, 1)));
-      if (const auto value = values.grid->nearest(voxel))
+      if (const auto color = values.grid->color_at(voxel))
+        value_ = color_text(*color) + " at " + voxel_text(*values.grid, voxel) + "\n";
+      else if (const auto value = values.grid->nearest(voxel))
         value_ = (values.grid->layout().labels ? label_text(values.grid->label_of(*value))
-                                               : readable_value(static_cast<double>(*value), value_unit(*volume))) +
-                 " at " + voxel_text(voxel) + "\n";
+                                               : readable_value(static_cast<double>(*value), value_unit(*volume)) +
+                                                     accuracy_text(values.grid->error_at(voxel))) +
+                 " at " + voxel_text(*values.grid, voxel) + "\n";
     }
   }
   value_ += place_text(hit->point);
@@ -216,7 +234,7 @@ void ViewerTools::probe_projection(const View& seen, const Ray& ray, const qnv::
       projected_value(*grid, seen.volume.mode, glm::inverse(*world_from_volume), ray.origin, glm::dvec3(ray.direction));
   if (!projected) return;
   value_ = std::string(mode.label) + " on the ray: " + readable_value(projected->value, value_unit(volume));
-  if (projected->voxel) value_ += " at " + voxel_text(*projected->voxel);
+  if (projected->voxel) value_ += " at " + voxel_text(*grid, *projected->voxel);
 }
 
 void ViewerTools::describe_volume(UiTools& tools, const View& seen, const qnv::Description& volume) {
@@ -226,6 +244,12 @@ void ViewerTools::describe_volume(UiTools& tools, const View& seen, const qnv::D
     asked_is_volume_ = is_stream || has_volume_values(seen.document->world.path);
   }
   tools.volume = seen.volume;
+  if (const auto times = ViewerValues::times_of(seen); !times.empty()) {
+    tools.times.assign(times.begin(), times.end());
+    tools.volume.step = ViewerValues::step_of(seen);
+    tools.steps_playing = steps_.playing && steps_.of.lock() == seen.document;
+    tools.step_rate = steps_.rate;
+  }
   tools.unit = value_unit(volume);
   tools.has_file = asked_is_volume_;
   if (!tools.has_file) return;
@@ -234,7 +258,7 @@ void ViewerTools::describe_volume(UiTools& tools, const View& seen, const qnv::D
   const bool derives = wants_histogram_ || seen.volume.needs_values();
   if (!derives && !wants_value_ && !seen.slices.any() && !waits) return;
   const ViewerValues::Values& values = values_.of(seen);
-  if (values.grid) tools.dimensions = values.grid->dimensions();
+  if (values.grid) tools.dimensions = values.grid->whole();
   if (derives) {
     tools.histogram = values_.histogram_of(seen);
     tools.isovalue = values_.isovalue_of(seen);
@@ -289,6 +313,7 @@ PictureScene ViewerTools::scene_of(std::size_t slice_scene, const View& seen, co
   scene.draw.headlight = seen.headlight;
   scene.draw.unit = static_cast<float>(seen.scale);
   scene.draw.splat_style = seen.look;
+  scene.draw.splat_style.reading = values_.reading_of(seen, wants_value_);
   apply_style(seen, scene.draw);
   scene.draw.guides = guides(seen);
   scene.draw.viewport = kMaxViewports;
@@ -446,6 +471,7 @@ void ViewerTools::apply(const UiToolActions& actions, View* seen, const Viewport
   show_as_wished(*seen, tell);
   if (actions.slices) seen->slices = *actions.slices;
   if (actions.volume) seen->volume = *actions.volume;
+  play_steps(actions, *seen);
   if (grip_)
     seen->slices.places[grip_->axis] = dragged_place(*grip_, seen->navigation.pose, glm::vec2(place.size()),
                                                      pointer_ - glm::vec2(place.left, place.top));
@@ -464,6 +490,23 @@ void ViewerTools::apply(const UiToolActions& actions, View* seen, const Viewport
     seen->look.transfer = std::move(std::get<Transfer>(transfer));
     replaceable_transfer_ = *actions.load_transfer;
   }
+}
+
+// Begins or ends playback, and shows the next step if it is due and the one before is shown.
+void ViewerTools::play_steps(const UiToolActions& actions, View& seen) {
+  const std::size_t count = ViewerValues::times_of(seen).size();
+  if (actions.step_rate) steps_.rate = *actions.step_rate;
+  if (actions.play_steps) steps_ = {seen.document, *actions.play_steps && count > 1, steps_.rate, {}};
+  if (!steps_.playing) return;
+  if (steps_.of.lock() != seen.document || count < 2) {
+    steps_.playing = false;
+    return;
+  }
+  const auto now = std::chrono::steady_clock::now();
+  if (now < steps_.next || !values_.shows_step(seen)) return;
+  seen.volume.step = static_cast<std::uint32_t>((ViewerValues::step_of(seen) + std::size_t{1}) % count);
+  steps_.next = now + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                          std::chrono::duration<double>(1 / std::max(steps_.rate, 0.01)));
 }
 
 void ViewerTools::save_transfer(const std::string& path, const Transfer& shown, const qnv::Description& volume,

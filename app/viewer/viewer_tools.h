@@ -14,6 +14,7 @@
 #include "base/noncopyable.h"
 
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <future>
 #include <map>
@@ -52,8 +53,10 @@ class ViewerTools : NonCopyable {
   bool close();
   /// Returns true while a thread reads values of a volume, or computes content from them. take_values() takes results,
   /// and returns true if there were any.
-  [[nodiscard]] bool reads_values() const { return values_.is_busy(); }
+  [[nodiscard]] bool reads_values() const { return values_.is_busy() || steps_.playing; }
   bool take_values();
+  /// Returns the values that a view shows besides the vectors of its volume.
+  [[nodiscard]] render::VolumeReading reading_of(const View& view) { return values_.reading_of(view, wants_value_); }
   /// Draws and saves the next picture of an animation. Returns true if further frames are needed.
   bool go_on(const View* seen, const Tell& tell);
 
@@ -70,7 +73,15 @@ class ViewerTools : NonCopyable {
     glm::ivec2 size{0};
     PictureRequest request;
   };
+  /// Playback of the steps of a time series in one document.
+  struct StepPlayback {
+    std::weak_ptr<Document> of;
+    bool playing = false;
+    double rate = 10;  // steps per second
+    std::chrono::steady_clock::time_point next{};
+  };
   void show_as_wished(View& seen, const Tell& tell);
+  void play_steps(const UiToolActions& actions, View& seen);
   [[nodiscard]] std::optional<SliceGrip> slice_under_pointer(const View& seen, const Viewport& place);
   void describe_volume(UiTools& tools, const View& seen, const qnv::Description& volume);
   void describe_slices(UiTools& tools, const View& seen, const Viewport& place);
@@ -105,6 +116,7 @@ class ViewerTools : NonCopyable {
   std::string replaceable_transfer_;  // file that was read, written or confirmed here, and may be overwritten
   std::weak_ptr<Document> asked_;     // document to which `asked_is_volume_` refers
   bool asked_is_volume_ = false;
+  StepPlayback steps_;
   std::optional<Export> export_;
   std::vector<render::Camera> tour_;
   std::weak_ptr<Document> toured_;  // document to which `tour_` belongs

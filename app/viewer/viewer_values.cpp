@@ -31,8 +31,10 @@ ViewerValues::Values& ViewerValues::of(const View& view) {
     return values;
   }
   Values& values = found->second;
+  const StepContent::Shared step = step_geometry(values, view, component_);
   if (!values.coming.valid())
-    if (auto newer = streamed_values(*view.list); newer && newer != values.streamed) {
+    if (auto newer = step ? step->as<qnv::Volume>()->values : streamed_values(*view.list);
+        newer && newer != values.streamed) {
       values.streamed = std::move(newer);
       begin_reading(values, path);
     }
@@ -40,10 +42,34 @@ ViewerValues::Values& ViewerValues::of(const View& view) {
   return values;
 }
 
+std::span<const double> ViewerValues::times_of(const View& view) {
+  const auto geometry = first_volume_geometry(*view.list);
+  const auto* const volume = geometry ? geometry->as<qnv::Volume>() : nullptr;
+  return volume && volume->series ? volume->series->times() : std::span<const double>();
+}
+
+std::uint32_t ViewerValues::step_of(const View& view) {
+  const auto times = times_of(view);
+  if (times.empty()) return 0;
+  if (view.volume.step) return std::min(*view.volume.step, static_cast<std::uint32_t>(times.size() - 1));
+  const auto values = streamed_values(*view.list);
+  return values ? values->step : 0;
+}
+
+bool ViewerValues::shows_step(const View& view) {
+  return !view.volume.step || times_of(view).empty() || of(view).step.is_ready();
+}
+
+StepContent::Shared ViewerValues::step_geometry(Values& values, const View& view, const VoxelComponent& component) {
+  if (!view.volume.step || times_of(view).empty()) return nullptr;
+  qnv::ShownComponent wish{component.index, component.magnitude, component.chosen};
+  wish.step.number = step_of(view);
+  return values.step.get(first_volume_geometry(*view.list), wish);
+}
+
 void ViewerValues::begin_reading(Values& values, const std::string& path) {
   values.coming = std::async(std::launch::async, [path, streamed = values.streamed, this] {
-    return streamed ? VolumeGrid::take(streamed->source, &stop_, own_budget(), VolumeGrid::kMaxVoxels, streamed->range,
-                                        streamed->bricks)
+    return streamed ? VolumeGrid::take(streamed->source, &stop_, own_budget(), VolumeGrid::kMaxVoxels, streamed.get())
                     : VolumeGrid::read(path, &stop_, own_budget(), VolumeGrid::kMaxVoxels, component_);
   });
 }
@@ -65,7 +91,7 @@ bool ViewerValues::is_busy() const {
   return std::any_of(values_.begin(), values_.end(), [](const auto& entry) {
     const Values& values = entry.second;
     return values.coming.valid() || values.histogram.is_busy() || values.draft.is_busy() || values.surface.is_busy() ||
-           values.projection.is_busy() || values.vectors.is_busy();
+           values.projection.is_busy() || values.vectors.is_busy() || values.step.is_busy();
   });
 }
 
@@ -78,6 +104,7 @@ bool ViewerValues::take() {
     any = values.surface.take() || any;
     any = values.projection.take() || any;
     any = values.vectors.take() || any;
+    any = values.step.take() || any;
   }
   return any;
 }
@@ -118,6 +145,9 @@ VolumeContent ViewerValues::content_of(const View& view, const VolumeContent& be
   content.surface_color = display.surface_color;
   content.hides_vectors = view.slices.alone && (view.slices.any() || display.surface);
   content.clip = view.look.clip;
+  // Vectors of a step need no grid of values.
+  if (display.mode == VolumeMode::vectors && display.share == kUsualShare)
+    content.vectors = step_geometry(values, view, component_);
   if (!values.grid) {
     if (display.surface) content.surface = before.surface;
     return content;
@@ -152,6 +182,18 @@ VolumeContent ViewerValues::content_of(const View& view, const VolumeContent& be
     if (!content.vectors && values.vectors.problem().empty()) content.vectors = before.vectors;
   }
   return content;
+}
+
+render::VolumeReading ViewerValues::reading_of(const View& view, bool exact) {
+  render::VolumeReading reading;
+  reading.exact = exact;
+  reading.values = exact || view.slices.any() || view.volume.needs_values();
+  if (!view.slices.any()) return reading;
+  reading.only_slices = view.slices.alone && !view.volume.surface;
+  const auto& grid = of(view).grid;
+  const auto world_from_node = world_from_volume(*view.list);
+  if (grid && world_from_node) reading.slices = slice_planes(*grid, view.slices, *world_from_node);
+  return reading;
 }
 
 const render::RenderList& ViewerValues::shown(std::size_t pane, const View& view) {

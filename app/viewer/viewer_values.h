@@ -2,16 +2,19 @@
 
 #include "app/session/viewports/view.h"
 #include "app/view/derived/derived_value.h"
+#include "app/view/derived/step_content.h"
 #include "app/view/derived/volume_histogram.h"
 #include "app/view/derived/volume_scene.h"
 #include "app/view/values/slice_scene.h"
 #include "base/noncopyable.h"
+#include "render/scene/splat_style.h"
 
 #include <atomic>
 #include <cstddef>
 #include <future>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <variant>
 
@@ -33,6 +36,7 @@ class ViewerValues : NonCopyable {
     DerivedValue<float, vrml::Mesh> draft, surface;  // isosurface: its first version is a draft
     DerivedValue<ProjectionColors, VolumeProjection> projection;
     DerivedValue<float, qnv::Geometry> vectors;
+    StepContent step;  // of a time series
   };
 
   /// `component` is that of volume files.
@@ -49,8 +53,17 @@ class ViewerValues : NonCopyable {
   /// Returns the error message of the content that the view wishes; empty if there is none.
   std::string problem_of(const View& view);
 
+  /// Returns the values that a view shows besides the vectors of its volume. `exact` means that single values are read.
+  render::VolumeReading reading_of(const View& view, bool exact);
   /// Returns the render list to draw in viewport `pane`: the list of the view, with its slices and other content.
   const render::RenderList& shown(std::size_t pane, const View& view);
+
+  /// Returns the number of steps of the time series that a view shows, by their times; empty for other contents.
+  [[nodiscard]] static std::span<const double> times_of(const View& view);
+  /// Returns the step that a view wishes to show.
+  [[nodiscard]] static std::uint32_t step_of(const View& view);
+  /// Returns true if the view shows the step that it wishes.
+  [[nodiscard]] bool shows_step(const View& view);
 
   /// Returns true while a thread reads values or computes content. take() takes them, and returns true if there were
   /// any.
@@ -67,6 +80,8 @@ class ViewerValues : NonCopyable {
   };
   bool take(Values& values);
   void begin_reading(Values& values, const std::string& path);
+  /// Returns the volume of the step that the view wishes; null if it is that of the document.
+  static StepContent::Shared step_geometry(Values& values, const View& view, const VoxelComponent& component);
   VolumeContent content_of(const View& view, const VolumeContent& before);
 
   const VoxelComponent component_;

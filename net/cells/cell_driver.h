@@ -32,9 +32,21 @@ class CellServerDriver : NonCopyable {
   std::unique_ptr<State> state_;
 };
 
+/// Connection to a cell server. Its functions forward to those of CellClient. One thread.
+class CellConnection : NonCopyable {
+ public:
+  virtual ~CellConnection() = default;
+  virtual void want(std::size_t slot, CellWish wish) = 0;
+  virtual void prefer(std::size_t slot, std::vector<Region> regions, std::vector<ChunkName> chunks) = 0;
+  virtual void set_rate(std::uint64_t bits_per_second) = 0;
+  /// Returns events and removes them. Stops after about `most_bytes` bytes of data.
+  [[nodiscard]] virtual std::vector<CellEvent> poll(std::size_t most_bytes) = 0;
+  [[nodiscard]] virtual CellClientStatistics statistics() const = 0;
+};
+
 /// Client of cells with its own thread and socket. Call all functions on one thread. Only `poll` returns results. The
 /// destructor says goodbye and waits some milliseconds for the thread, or longer while it resolves the host name.
-class CellClientDriver : NonCopyable {
+class CellClientDriver final : public CellConnection {
  public:
   /// Starts the client. The client's thread calls `wake` when `poll` has events; `wake` may be empty. If options.nonce
   /// is 0, replaces it by a random number.
@@ -42,14 +54,12 @@ class CellClientDriver : NonCopyable {
                                                                                        std::string host,
                                                                                        std::uint16_t port,
                                                                                        std::function<void()> wake);
-  ~CellClientDriver();
-  /// Forwards to the function of CellClient, as do the following functions.
-  void want(std::size_t slot, CellWish wish);
-  void prefer(std::size_t slot, std::vector<Region> regions, std::vector<ChunkName> chunks);
-  void set_rate(std::uint64_t bits_per_second);
-  /// Returns events and removes them. Stops after about `most_bytes` bytes of data.
-  [[nodiscard]] std::vector<CellEvent> poll(std::size_t most_bytes);
-  [[nodiscard]] CellClientStatistics statistics() const;
+  ~CellClientDriver() override;
+  void want(std::size_t slot, CellWish wish) override;
+  void prefer(std::size_t slot, std::vector<Region> regions, std::vector<ChunkName> chunks) override;
+  void set_rate(std::uint64_t bits_per_second) override;
+  [[nodiscard]] std::vector<CellEvent> poll(std::size_t most_bytes) override;
+  [[nodiscard]] CellClientStatistics statistics() const override;
 
  private:
   struct State;

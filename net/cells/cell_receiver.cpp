@@ -128,6 +128,7 @@ void CellClient::handle_grant(const GrantMessage& grant, Instant now) {
   Slot& slot = slots_[grant.slot];
   if (slot.state != Slot::State::asking || slot.number != grant.number || grant.session == 0) return;
   heard_ = now;
+  known_ = true;
   if (session_ == 0) {
     session_ = grant.session;
     report_at_ = now;
@@ -279,7 +280,7 @@ void CellClient::handle_rebuilt(std::span<const CellRebuilder::Rebuilt> rebuilt)
 
 std::optional<std::vector<std::byte>> CellClient::next_hello(Instant now) {
   if (now < hello_at_) return std::nullopt;
-  if (tries_ >= options_.most_tries) {
+  if (tries_ >= most_tries()) {
     fail("no cell server answers; expected a GhostSpace server on this UDP port");
     return std::nullopt;
   }
@@ -291,7 +292,7 @@ std::optional<std::vector<std::byte>> CellClient::next_request(Instant now) {
   for (std::size_t i = 0; i < kMaxSlots; ++i) {
     Slot& slot = slots_[i];
     if (slot.state != Slot::State::asking || now < slot.ask) continue;
-    if (slot.tries >= options_.most_tries) {
+    if (slot.tries >= most_tries()) {
       fail("the server does not answer a request for " + slot.wish.path);
       return std::nullopt;
     }

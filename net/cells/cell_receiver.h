@@ -16,11 +16,12 @@
 namespace gs::net {
 
 struct CellClientOptions {
-  std::uint64_t nonce = 0;  // random number that distinguishes sessions of the client
-  std::uint64_t rate = 10'000'000;  // requested rate, bits per second
-  Instant hello_again{250'000};  // retry interval; doubles after eight tries, at most 2 s
-  std::size_t most_tries = 16;  // maximum number of tries without an answer
-  Instant contact_lost{3'000'000};  // time without a datagram until the client asks again
+  std::uint64_t nonce = 0;           // random number that distinguishes sessions of the client
+  std::uint64_t rate = 10'000'000;   // requested rate, bits per second
+  Instant hello_again{250'000};      // retry interval; doubles after eight tries, at most 2 s
+  std::size_t most_tries = 16;       // maximum number of tries without an answer, about 15 s
+  std::size_t most_reconnects = 60;  // the same after the contact to a server was lost, about two minutes
+  Instant contact_lost{3'000'000};   // time without a datagram until the client asks again
   // Maximum bytes of events that the owner has not taken. Further datagrams are dropped.
   std::size_t most_waiting = std::size_t{64} << 20;
   double loss = 0;  // only for drivers: share of received datagrams to drop, 0 to 1, for trials
@@ -33,10 +34,10 @@ struct CellClientOptions {
 struct CellWish {
   std::string path;
   std::uint32_t streams = 0xffff;  // bit set of the wanted streams
-  std::uint64_t budget = 0;  // maximum bytes of chunks; 0 means unlimited
-  std::uint8_t weight = 1;  // share of the rate, 1 to 255
+  std::uint64_t budget = 0;        // maximum bytes of chunks; 0 means unlimited
+  std::uint8_t weight = 1;         // share of the rate, 1 to 255
   std::uint8_t cells = kMaxCells;  // maximum cells of a datagram
-  bool repair = false;  // after everything was sent, requests lost chunks again
+  bool repair = false;             // after everything was sent, requests lost chunks again
 };
 
 struct CellClientStatistics {
@@ -100,6 +101,7 @@ class CellClient {
   std::optional<std::vector<std::byte>> next_request(Instant now);
   std::vector<std::byte> report(Instant now);
   [[nodiscard]] Instant report_every() const;
+  [[nodiscard]] std::size_t most_tries() const { return known_ ? options_.most_reconnects : options_.most_tries; }
   void tell_complete(std::size_t slot);
   [[nodiscard]] bool anything_wanted() const;
   void append(std::vector<CellEvent> made);
@@ -116,6 +118,7 @@ class CellClient {
   CellRebuilder rebuilder_;
   QueueDelay delay_;
   bool delay_aware_ = false, report_now_ = false;
+  bool known_ = false;  // the server has granted a request
   std::uint64_t sync_next_ = 0;
   std::uint32_t echo_ = 0;
   Instant echo_at_{};

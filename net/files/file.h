@@ -41,6 +41,8 @@ class MappedFile {
   [[nodiscard]] std::span<const std::byte> bytes() const {
     return mapping_.bytes().empty() ? std::span<const std::byte>(copy_) : mapping_.bytes();
   }
+  /// Returns the descriptor of a mapped file, or -1 for a copied one. It stays open as long as this object.
+  [[nodiscard]] int descriptor() const { return mapping_.bytes().empty() ? -1 : file_.get(); }
   /// Releases the memory of the first `size` bytes. For callers that read a large file once.
   void put_aside(std::size_t size) const { mapping_.put_aside(size); }
   /// Returns a message if the file became shorter or was written to after it was opened. Returns nullopt otherwise.

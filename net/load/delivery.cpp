@@ -30,6 +30,12 @@ bool Delivery::exceeds_limit(ByteRange range) const {
   return needed_.within(range).size() > request_.max_bytes - std::min(request_.max_bytes, received_);
 }
 
+bool Delivery::is_next(std::uint64_t position) const {
+  return std::ranges::none_of(needed_.ranges(), [position](const ByteRange& range) {
+    return range.begin < position && position < range.end;
+  });
+}
+
 bool Delivery::push(std::uint64_t begin, std::span<const std::byte> bytes) {
   const ByteRange range{begin, begin + bytes.size()};
   const RangeSet pieces = needed_.within(range);

@@ -28,6 +28,8 @@ class Delivery {
   [[nodiscard]] std::optional<LoadError> limit_to(std::uint64_t total);
   /// Reports whether the needed bytes in `range` would exceed the limit of the request.
   [[nodiscard]] bool exceeds_limit(ByteRange range) const;
+  /// Reports whether bytes from `position` on can be pushed in order: no needed bytes directly before them are missing.
+  [[nodiscard]] bool is_next(std::uint64_t position) const;
   /// Pushes the needed bytes among `bytes`, which begin at `begin`. Returns false if none was needed.
   bool push(std::uint64_t begin, std::span<const std::byte> bytes);
   [[nodiscard]] std::size_t room() const { return queue_.room(id_); }

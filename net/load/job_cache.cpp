@@ -56,8 +56,19 @@ void JobCache::confirm(const Validator& version, std::int64_t fresh_for) {
   trusted_ = true;
 }
 
-RangeSet JobCache::pending(const RangeSet& needed) const {
+RangeSet JobCache::held(const RangeSet& needed) const {
   return entry_ ? needed.within(entry_->present().within(part_)) : RangeSet();
+}
+
+RangeSet JobCache::pending(const RangeSet& needed) const {
+  RangeSet result;
+  const RangeSet all = held(needed);
+  auto held_range = all.ranges().begin();
+  for (const ByteRange& range : needed.ranges()) {
+    while (held_range != all.ranges().end() && held_range->begin < range.begin) ++held_range;
+    if (held_range != all.ranges().end() && held_range->begin == range.begin) result.add(*held_range);
+  }
+  return result;
 }
 
 std::optional<std::vector<std::byte>> JobCache::read(std::uint64_t offset, std::size_t most) const {

@@ -58,7 +58,10 @@ class JobCache {
   /// Reports whether the entry is fresh, or the server has confirmed it.
   [[nodiscard]] bool trusted() const { return entry_ && trusted_; }
   void confirm(const Validator& version, std::int64_t fresh_for);
-  /// Returns the needed bytes that the entry delivers.
+  /// Returns the needed bytes that the entry has.
+  [[nodiscard]] RangeSet held(const RangeSet& needed) const;
+  /// Returns the needed bytes that the entry can deliver now: in each range of `needed`, those at its beginning. The
+  /// bytes of a range are delivered in order.
   [[nodiscard]] RangeSet pending(const RangeSet& needed) const;
   [[nodiscard]] std::optional<std::vector<std::byte>> read(std::uint64_t offset, std::size_t most) const;
 

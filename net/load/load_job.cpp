@@ -68,7 +68,8 @@ void LoadJob::open_version() {
 
 bool LoadJob::ready(const Fetch& fetch) const {
   if (fetch.finished || fetch.transfer || fetch.answer.held_end) return false;
-  if (delivery_.whole() && cache_.trusted() && !cache_.pending(delivery_.needed()).empty()) return false;
+  // The bytes before those of the fetch come from the cache or from another fetch.
+  if (head_sent_ && !delivery_.is_next(fetch.position)) return false;
   // Until a response shows whether the server supports ranges, only the first unfinished fetch may start.
   return head_sent_ || context_.ranges_known.contains(location_.url()) || plan_.is_first_unfinished(fetch);
 }
@@ -153,6 +154,7 @@ bool LoadJob::pump(TimePoint now) {
     for (std::size_t i = 0; i < plan_.all().size() && !over_; ++i) {
       Fetch& fetch = *plan_.all()[i];
       if (fetch.finished || (fetch.answer.held.empty() && !fetch.answer.held_end)) continue;
+      if (!delivery_.is_next(fetch.position)) continue;
       const auto held = std::exchange(fetch.answer.held, {});
       const auto end = std::exchange(fetch.answer.held_end, {});
       if (!held.empty() && deliver(fetch, held) == DataVerdict::stop) continue;

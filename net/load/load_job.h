@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -25,6 +26,8 @@ struct JobContext {
   std::function<void(TransferId)> cancel;
   /// URLs of servers that support ranges. Several ranges of such a resource are requested at the same time. Bounded.
   std::map<std::string, bool> ranges_known;
+  /// Servers that have answered. If one cannot be reached later, it may be restarting. Bounded.
+  std::set<std::string> answered;
 };
 
 /// State machine of one request: cache, redirects, ranges, versions, retries. The engine starts the fetches that are

@@ -69,6 +69,9 @@ HeadVerdict LoadJob::on_head(Fetch& fetch, const ResponseHead& head) {
     return HeadVerdict::stop;
   }
   fetch.answer.space = head.space;
+  constexpr std::size_t kMaxAnswered = 1024;
+  if (context_.answered.size() >= kMaxAnswered) context_.answered.clear();
+  context_.answered.insert(location_.host());
   if (is_redirect(head.status) && !head.location.empty()) {
     fetch.answer.redirect = head.location;
     return HeadVerdict::discard;
@@ -156,7 +159,7 @@ HeadVerdict LoadJob::accept(Fetch& fetch, const ResponseHead& head) {
     fetch.answer.end = head.content_length;
   } else {
     fetch.answer.end = head.content_range->end;
-    plan_.cover(delivery_.needed().without(cache_.pending(delivery_.needed())));
+    plan_.cover(delivery_.needed().without(cache_.held(delivery_.needed())));
   }
   cache_.open_writer(head, version_);
   return HeadVerdict::take;
@@ -188,7 +191,7 @@ DataVerdict LoadJob::on_data(Fetch& fetch, std::span<const std::byte> bytes) {
          "the server sent more than the " + std::to_string(fetch.answer.end.value_or(0)) + " bytes it announced");
     return DataVerdict::stop;
   }
-  if (delivery_.whole() && !cache_.pending(delivery_.needed()).empty()) {
+  if (!delivery_.is_next(fetch.position)) {
     fetch.answer.held.insert(fetch.answer.held.end(), bytes.begin(), bytes.end());
     return DataVerdict::pause;
   }
@@ -289,11 +292,13 @@ void LoadJob::retry(Fetch& fetch, const LoadError& error, bool transient, std::o
   const LoaderOptions& options = context_.options;
   fetch.answer = {};
   ++fetch.failures;
-  // If the server has sent bytes before, it may be restarting, so retry.
-  transient |= error.kind == LoadErrorKind::unreachable && delivery_.received() > 0;
+  // If the server has answered before, it may be restarting.
+  const bool restarts = error.kind == LoadErrorKind::unreachable && context_.answered.contains(location_.host());
+  transient |= restarts;
+  const unsigned most = restarts ? options.max_reconnects : options.max_retries;
   const auto longest = std::chrono::duration_cast<std::chrono::seconds>(options.max_retry_after).count();
   const bool asks_too_much = retry_after && *retry_after > longest;
-  if (!transient || asks_too_much || fetch.failures > options.max_retries || fetch.attempts >= options.max_attempts) {
+  if (!transient || asks_too_much || fetch.failures > most || fetch.attempts >= options.max_attempts) {
     std::string what = error.message;
     if (asks_too_much) what += "; retry in " + std::to_string(*retry_after) + " s";
     if (fetch.attempts > 1) what += " (after " + std::to_string(fetch.attempts) + " attempts)";

@@ -11,20 +11,30 @@
 
 namespace gs::net {
 
+/// Interface for requests by URL. Readers of streams use it, so that simulations can run them without threads.
+class LoadRequests : NonCopyable {
+ public:
+  /// Starts a request. Never blocks. Errors are events of the request.
+  virtual RequestId request(Request request) = 0;
+  /// Stops the events of a request. Received bytes remain in the cache. Ignores requests that have ended.
+  virtual void cancel(RequestId id) = 0;
+
+ protected:
+  ~LoadRequests() = default;
+};
+
 /// Loads bytes by URL on two own threads, one for networks and one for disks. Call all functions on one thread; only
 /// poll() returns results.
 ///
 /// Received bytes are bounded: if poll() is not called, transfers wait. The destructor stops all transfers at once and
 /// waits only for a pending disk read.
-class Loader : NonCopyable {
+class Loader final : public LoadRequests {
  public:
   [[nodiscard]] static std::unique_ptr<Loader> create(LoaderOptions options = {});
   ~Loader();
 
-  /// Starts a request. Never blocks. Errors are events of the request.
-  RequestId request(Request request);
-  /// Stops the events of a request. Received bytes remain in the cache. Ignores requests that have ended.
-  void cancel(RequestId id);
+  RequestId request(Request request) override;
+  void cancel(RequestId id) override;
   /// Changes the priority of a request. Running transfers with lower priority may pause for others.
   void set_priority(RequestId id, int priority);
   /// Replaces LoaderOptions::bytes_per_second from now on; 0 means unlimited.

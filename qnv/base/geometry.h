@@ -23,6 +23,7 @@ class ChunkRequests;
 class LodStream;
 class PatchSurface;
 class VolumeDetail;
+class VolumeSeries;
 struct VolumeValues;
 
 /// Octree cube that a vector represents.
@@ -132,6 +133,7 @@ struct Volume : VectorArrays {
   std::vector<Cell> cells;                     // one per vector if these came from an octree, else empty
   std::shared_ptr<const VolumeValues> values;  // decoded values that the vectors come from, or null
   std::shared_ptr<VolumeDetail> detail;        // finer vectors for views, or null if these are all
+  std::shared_ptr<VolumeSeries> series;        // all steps of a time series, or null
 };
 
 /// Type of the content of a geometry.

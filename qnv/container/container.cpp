@@ -29,7 +29,8 @@ enum Tag : std::uint16_t {
   kGrid = 8,
   kLabels = 9,
   kGaussians = 10,
-  kComponent = 11
+  kComponent = 11,
+  kSteps = 12
 };
 enum HeaderFlag : std::uint16_t { kTwoSided = 1, kColored = 2, kMeshed = 4, kParity = 8 };
 
@@ -71,7 +72,8 @@ bool all_finite(std::initializer_list<float> values) {
 }
 
 /// Reads all sections. Returns false if a required section is missing or invalid: the outlines, base or grid section
-/// of the payload, the labels of a label volume, the grid of a component, or the origin section in version 2.
+/// of the payload, the labels of a label volume, the grid of a component, the steps of a time series, or the origin
+/// section in version 2.
 bool read_sections(ByteReader& read, StreamHeader& header, std::uint16_t version) {
   bool origin = version == kVersionWithoutOrigin;
   bool outlines = header.payload != Payload::outlines;
@@ -124,6 +126,10 @@ bool read_sections(ByteReader& read, StreamHeader& header, std::uint16_t version
       auto decoded = decode_value_grid(section.bytes(section.left()));
       if (!decoded || !fits(*decoded, header.grid)) return false;
       header.more_grids.push_back(std::move(*decoded));
+    } else if (tag == kSteps && grid && header.steps.times.empty()) {
+      auto decoded = decode_step_table(section.bytes(section.left()), header.grid.components);
+      if (!decoded || header.grid.labels) return false;
+      header.steps = std::move(*decoded);
     } else if (tag == kLabels && labels.empty()) {
       auto decoded = decode_label_palette(section.bytes(section.left()));
       if (!decoded) return false;
@@ -194,6 +200,7 @@ std::vector<std::byte> encode_header(const StreamHeader& header) {
   if (header.payload == Payload::gaussians) put_section(out, kGaussians, encode_gaussian_coding(header.gaussians));
   if (header.payload == Payload::values) put_section(out, kGrid, encode_value_grid(header.grid));
   for (const ValueGrid& one : header.more_grids) put_section(out, kComponent, encode_value_grid(one));
+  if (!header.steps.times.empty()) put_section(out, kSteps, encode_step_table(header.steps));
   if (header.grid.labels) put_section(out, kLabels, encode_label_palette(header.grid.palette));
   for (const auto& [key, value] : d.metadata) {
     data.clear();

@@ -4,6 +4,7 @@
 #include "qnv/base/voxels.h"
 #include "qnv/container/gaussian_coding.h"
 #include "qnv/container/outline_header.h"
+#include "qnv/container/step_table.h"
 #include "qnv/container/value_grid.h"
 
 #include <cstddef>
@@ -84,6 +85,7 @@ struct StreamHeader {
   std::vector<std::byte> base;        // displaced: encoded first stage (displaced/surface.h)
   ValueGrid grid;                     // values only; of the first component
   std::vector<ValueGrid> more_grids;  // of the other components
+  StepTable steps;                    // values only; of a time series
   GaussianCoding gaussians;           // gaussians only
 };
 

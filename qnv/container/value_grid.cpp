@@ -13,7 +13,7 @@
 namespace gs::qnv {
 namespace {
 
-enum GridFlag : std::uint8_t { kGaps = 1, kExact = 2, kLabelled = 4 };
+enum GridFlag : std::uint8_t { kGaps = 1, kExact = 2, kLabelled = 4, kColors = 8, kLuma = 16 };
 
 bool spans_space(const std::array<glm::vec3, 3>& axes) {
   std::array<glm::dvec3, 3> steps;
@@ -51,7 +51,7 @@ bool sound(const ValueGrid& grid) {
 
 bool fits(const ValueGrid& grid, const ValueGrid& first) {
   return grid.dimensions == first.dimensions && grid.origin == first.origin && grid.axes == first.axes &&
-         grid.components == first.components && !grid.labels;
+         grid.components == first.components && !grid.labels && !grid.colors;
 }
 
 std::vector<std::byte> encode_value_grid(const ValueGrid& grid) {
@@ -62,8 +62,9 @@ std::vector<std::byte> encode_value_grid(const ValueGrid& grid) {
   for (const glm::vec3& axis : grid.axes)
     for (int i = 0; i < 3; ++i) write.f32(axis[i]);
   write.integer(static_cast<std::uint8_t>(grid.stored));
-  write.integer(
-      static_cast<std::uint8_t>((grid.gaps ? kGaps : 0) | (grid.exact ? kExact : 0) | (grid.labels ? kLabelled : 0)));
+  write.integer(static_cast<std::uint8_t>((grid.gaps ? kGaps : 0) | (grid.exact ? kExact : 0) |
+                                          (grid.labels ? kLabelled : 0) | (grid.colors ? kColors : 0) |
+                                          (grid.luma ? kLuma : 0)));
   write.integer(grid.components);
   write.integer(grid.correction);
   for (const double number : {grid.slope, grid.intercept, grid.unit, grid.zero}) write.f64(number);
@@ -89,10 +90,15 @@ std::optional<ValueGrid> decode_value_grid(std::span<const std::byte> section) {
   grid.gaps = (flags & kGaps) != 0;
   grid.exact = (flags & kExact) != 0;
   grid.labels = (flags & kLabelled) != 0;
+  grid.colors = (flags & kColors) != 0;
+  grid.luma = (flags & kLuma) != 0;
   for (double* number : {&grid.slope, &grid.intercept, &grid.unit, &grid.zero}) *number = read.f64();
   if (const double missing = read.f64(); std::isfinite(missing)) grid.missing = missing;
   if (!read.good() || stored > static_cast<std::uint8_t>(VoxelType::f32) || (grid.exact && grid.correction != 0) ||
-      (grid.labels && (grid.gaps || grid.exact || grid.correction != 0 || grid.components != 1)))
+      (grid.labels && (grid.gaps || grid.exact || grid.correction != 0 || grid.components != 1)) ||
+      (grid.colors && (stored != static_cast<std::uint8_t>(VoxelType::u8) || grid.components < 3 ||
+                       grid.components > 4 || grid.gaps || grid.exact)) ||
+      (grid.luma && !grid.colors))
     return std::nullopt;
   grid.stored = static_cast<VoxelType>(stored);
   while (read.left() >= 12) {

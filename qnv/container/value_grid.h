@@ -38,6 +38,8 @@ struct ValueGrid {
   bool gaps = false;               // chunks of gaps mark the missing voxels
   bool labels = false;             // the stored voxels are labels, in chunks of labels
   LabelPalette palette;            // of labels; empty if `labels` is false
+  bool colors = false;             // the components are colours; only the first grid states it
+  bool luma = false;               // of colours: they are brightness and two differences (FORMAT.md, "Colours")
   bool exact = false;              // chunks of remainders restore the stored voxels bit for bit
   std::uint32_t correction = 0;    // samples per step of a remainder; 0 means that remainders count stored voxels
   std::vector<ValueError> errors;  // ascending chunks; at most kMaxValueErrors

@@ -152,7 +152,9 @@ void Collector::add_splats(const Frame& parent, vrml::NodeId id, const DrawItem&
                            const std::shared_ptr<const qnv::Geometry>& splats, float detail,
                            const RenderSources::Item& source) {
   const dmat4 world = world_from_geometry(parent.world_from_local, *splats);
-  const bool shown = splats->as<qnv::OctreeSplats>() || splats->size() > 0;
+  // The vectors of some streams depend on the view, and the first bytes may have none.
+  const auto* const volume = splats->as<qnv::Volume>();
+  const bool shown = splats->as<qnv::OctreeSplats>() || splats->size() > 0 || (volume && volume->detail);
   if (!shown || !fits_float(world)) return;
   if (list_.splats.size() >= budget_->limit(Resource::items)) return;
   SplatItem item;

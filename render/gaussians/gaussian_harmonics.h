@@ -6,14 +6,11 @@
 
 namespace gs::render {
 
-/// Returns the colour of a splat in a direction: max(0, base + sum of the harmonics). `direction` is the unit vector
-/// from the eye to the splat, in the axes of the coefficients. These are those of degrees 1 to `degree` (0 to 3), in
-/// the order of KHR_gaussian_splatting, with Condon-Shortley signs.
-[[nodiscard]] inline glm::vec3 gaussian_color(const glm::vec3& base, const glm::vec3* coefficients, int degree,
-                                              const glm::vec3& direction) {
-  glm::vec3 sum = base;
+/// Calls add(i, value) with the value of each spherical harmonic of degrees 1 to `degree` (0 to 3) in a direction. They
+/// are real, in the order of KHR_gaussian_splatting, with Condon-Shortley signs. `direction` is a unit vector.
+template <class Add>
+inline void for_harmonics(int degree, const glm::vec3& direction, const Add& add) {
   const float x = direction.x, y = direction.y, z = direction.z;
-  const auto add = [&](std::size_t i, float weight) { sum += coefficients[i] * weight; };
   if (degree > 0) {
     add(0, -0.48860251f * y);
     add(1, 0.48860251f * z);
@@ -36,6 +33,14 @@ namespace gs::render {
     add(13, 1.44530572f * z * (xx - yy));
     add(14, -0.59004359f * x * (xx - 3 * yy));
   }
+}
+
+/// Returns the colour of a splat in a direction: max(0, base + sum of the harmonics). `direction` is the unit vector
+/// from the eye to the splat, in the axes of the coefficients. These are those of degrees 1 to `degree`.
+[[nodiscard]] inline glm::vec3 gaussian_color(const glm::vec3& base, const glm::vec3* coefficients, int degree,
+                                              const glm::vec3& direction) {
+  glm::vec3 sum = base;
+  for_harmonics(degree, direction, [&](std::size_t i, float weight) { sum += coefficients[i] * weight; });
   return {sum.x > 0 ? sum.x : 0.0f, sum.y > 0 ? sum.y : 0.0f, sum.z > 0 ? sum.z : 0.0f};
 }
 

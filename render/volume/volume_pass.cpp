@@ -8,7 +8,10 @@
 #include <glm/glm.hpp>
 
 #include <algorithm>
+#include <bitset>
 #include <cmath>
+#include <cstddef>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -29,6 +32,23 @@ std::size_t steady(std::size_t share) {
 bool is_volume(const SplatItem& item) {
   const auto* volume = item.geometry ? item.geometry->as<qnv::Volume>() : nullptr;
   return volume && (!volume->empty() || volume->detail);
+}
+
+// Returns what a view needs of a stream. `transfer` is the table of the style's transfer function, if it has one.
+qnv::VolumeNeeds volume_needs(const SplatItem& item, const SplatStyle& look, const VolumeTransfer& transfer,
+                              const std::optional<glm::vec4>& clip) {
+  qnv::VolumeNeeds needs;
+  needs.values = look.reading.values;
+  needs.exact = look.reading.exact;
+  needs.only_slices = look.reading.only_slices;
+  needs.clip = clip.value_or(glm::vec4(0));
+  for (std::size_t i = 0; i < std::min(needs.slices.size(), look.reading.slices.size()); ++i)
+    needs.slices[i] = glm::vec4(look.reading.slices[i] * item.world_from_node);
+  if (!look.transfer.empty()) {
+    std::bitset<256>& hidden = needs.hidden_classes.emplace();
+    for (std::size_t i = 0; i < transfer.size(); ++i) hidden[i] = !(transfer[i].w > 0);
+  }
+  return needs;
 }
 
 }  // namespace
@@ -59,16 +79,20 @@ void VolumePass::forget_models() {
 
 // Notes the view for the requests of a stream. Returns finer vectors for it, or null.
 std::shared_ptr<const qnv::Volume> VolumePass::cut(const qnv::Volume& volume, const SplatItem& item, SplatView view,
-                                                   const glm::mat4& camera_from_node, const DrawOptions& options,
+                                                   const glm::mat4& camera_from_node,
+                                                   const std::optional<glm::vec4>& clip, const DrawOptions& options,
                                                    Scene& scene) {
   if (!volume.detail && !volume.requests) return nullptr;
   view.camera_from_node = camera_from_node;
   auto lod = lod_view(view);
   if (!lod) return nullptr;
   lod->error_pixels = 1 / item.detail;
+  // Pictures with a lower resolution while something moves or loads do not change what the view needs.
+  lod->pixels *= std::max(options.coarseness, 1.0f);
   // Each instance of a stream keeps its own view.
   lod->viewport = options.viewport + (scene.instances[volume.requests.get()]++ << 16);
   lod->most_decoded = options.most_decoded;
+  lod->volume = volume_needs(item, options.splat_style, scene.transfer, clip);
   if (volume.detail) return volume.detail->cut(*lod, scene.working);
   volume.requests->note(*lod);
   return nullptr;
@@ -87,7 +111,13 @@ void VolumePass::gather(const RenderList& list, const Camera& camera, const Spla
     if (!is_volume(item)) continue;
     auto volume = qnv::shared_as<qnv::Volume>(item.geometry);
     const glm::mat4 camera_from_node(camera_from_world * item.world_from_node);
-    if (auto finer = cut(*volume, item, view, camera_from_node, options, scene)) volume = std::move(finer);
+    // A volume is clipped by one plane: the viewer's, or the outermost ClipPlane.
+    std::optional<glm::vec4> clip;
+    if (look.clip)
+      clip = glm::vec4(*look.clip * item.world_from_node);
+    else if (!item.clip_planes.empty() && item.clip_planes[0] < list.clip_planes.size())
+      clip = glm::vec4(list.clip_planes[item.clip_planes[0]] * item.world_from_node);
+    if (auto finer = cut(*volume, item, view, camera_from_node, clip, options, scene)) volume = std::move(finer);
     if (volume->empty() || item.material.transparency >= 1) continue;
     const std::size_t size = volume->size(), share = list.splats.size() > 1 ? steady(shares[i]) : shares[i];
     const VolumePrefix prefix = volume_prefix(size, share >= size ? 0 : share);
@@ -99,11 +129,7 @@ void VolumePass::gather(const RenderList& list, const Camera& camera, const Spla
     VolumeOptions own;
     own.opacity = look.opacity * (1 - item.material.transparency);
     own.least_magnitude = look.least_magnitude;
-    // A volume is clipped by one plane: the viewer's, or the outermost ClipPlane.
-    if (look.clip)
-      own.clip = glm::vec4(*look.clip * item.world_from_node);
-    else if (!item.clip_planes.empty() && item.clip_planes[0] < list.clip_planes.size())
-      own.clip = glm::vec4(list.clip_planes[item.clip_planes[0]] * item.world_from_node);
+    if (clip) own.clip = *clip;
     own.color_by = look.color_by;
     if (!look.transfer.empty()) own.transfer = &scene.transfer;
     own.fog = camera_fog(list.fog, glm::transpose(glm::mat3(camera_from_world)), static_cast<float>(camera.back));

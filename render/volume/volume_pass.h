@@ -15,6 +15,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -59,8 +60,8 @@ class VolumePass {
   std::shared_ptr<const VolumeModel> model_of(const std::shared_ptr<const qnv::Volume>& volume, std::size_t counted);
   void forget_models();
   static std::shared_ptr<const qnv::Volume> cut(const qnv::Volume& volume, const SplatItem& item, SplatView view,
-                                                const glm::mat4& camera_from_node, const DrawOptions& options,
-                                                Scene& scene);
+                                                const glm::mat4& camera_from_node, const std::optional<glm::vec4>& clip,
+                                                const DrawOptions& options, Scene& scene);
   void gather(const RenderList& list, const Camera& camera, const SplatView& view,
               const DrawOptions& options, Scene& scene);
   void on_processor(const Scene& scene, const SplatView& view, const Projection& projection, const DrawOptions& options,

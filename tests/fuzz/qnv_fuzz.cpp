@@ -214,10 +214,15 @@ bool look_at(BrickVolume& bricks) {
   bool pending = false, any = false;
   for (const float away : {0.0f, 30.0f, 1000.0f}) {
     view.eye = {away, away / 2, away};
+    view.volume.exact = away < 100;
+    view.volume.slices[1] = glm::vec4(0, 1, 0, -away);
     const auto volume = bricks.cut(view, pending);
     check_sound(Volume(*volume));
-    for (const ValueBrick& brick : volume->values ? volume->values->bricks : std::vector<ValueBrick>())
+    for (const ValueBrick& brick : volume->values ? volume->values->bricks : std::vector<ValueBrick>()) {
       require(brick.samples->size() == std::size_t{brick.size[0]} * brick.size[1] * brick.size[2]);
+      const auto& [x, y, z] = brick.core_first;
+      if (brick.error_of(x, y, z)) require(brick.level == 0);
+    }
     for (const ChunkRange& range : bricks.wanted()) require(range.bytes >= kChunkHeaderBytes);
     any = any || bricks.statistics().shown > 0;
   }

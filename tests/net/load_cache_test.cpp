@@ -47,6 +47,26 @@ class CacheBench {
   std::uint64_t seed_ = 0;
 };
 
+TEST_CASE("delivers the bytes of a range in order if the cache has some of them") {
+  for (const std::optional<std::int64_t> max_age : {std::optional<std::int64_t>(60), std::optional<std::int64_t>()}) {
+    CacheBench cache;
+    const std::string text = pattern(300'000);
+    cache.put(text, "\"1\"", max_age);
+    cache.load({{1000, 20'000}, {60'000, 90'000}, {120'000, 150'000}, {299'000, 300'000}});
+    const std::size_t before = cache.asked();
+    const Outcome got = cache.load({{500, 300'000}});
+    CHECK(got.events == "Hd.");
+    CHECK(got.in_order);
+    CHECK(got.pieces == std::map<std::uint64_t, std::string>{{500, text.substr(500)}});
+    std::uint64_t asked = 0;
+    for (std::size_t i = before; i < cache.asked(); ++i) asked += cache.bench->network->transfers()[i].range->size();
+    CHECK(asked == 300'000 - 500 - 19'000 - 30'000 - 30'000 - 1000);
+    const Outcome two = cache.load({{100, 700}, {59'000, 61'000}});
+    CHECK(two.pieces == std::map<std::uint64_t, std::string>{{100, text.substr(100, 600)},
+                                                             {59'000, text.substr(59'000, 2000)}});
+  }
+}
+
 TEST_CASE("serves fresh resources from the cache without a request") {
   CacheBench cache;
   const std::string text = pattern(300'000);

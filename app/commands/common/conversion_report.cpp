@@ -48,7 +48,11 @@ StreamContents contents_of(const qnv::EncodedStream& stream, const OpenedInput& 
     if (!errors.empty() && errors.back().most > 0)
       std::snprintf(error, sizeof error, "within %.4g", static_cast<double>(errors.back().most));
     const bool labels = stream.header.grid.labels;
-    contents.geometry = (labels ? "labels of " : "values of ") +
+    const std::size_t steps = stream.header.steps.times.size();
+    contents.geometry = (steps > 0 ? counted(steps, "step", "steps") + " of " : std::string()) +
+                        (labels                      ? "labels of "
+                         : stream.header.grid.colors ? "colours of "
+                                                     : "values of ") +
                         counted(qnv::voxel_count(volume->layout), "voxel", "voxels") + ", " + error;
     return contents;
   }

@@ -4,6 +4,7 @@
 #include "app/base/local_file.h"
 #include "app/commands/common/shared.h"
 #include "app/encode/surface_triangles.h"
+#include "app/formats/confined/confined_import.h"
 #include "app/formats/content_types.h"
 #include "app/formats/foreign_types.h"
 #include "app/formats/gltf/gltf_losses.h"
@@ -110,7 +111,9 @@ bool open_mesh_input(const LoadingOptions& options, const ContentType& type, con
   Diagnostics diagnostics, limits;
   const ReadFile read_file = [](const std::string&) -> BytesResult { throw RefersToFiles(); };
   const WorldBudget budget = budget_of(options, LoadLimit(deadline_of(options)));
-  Asset asset = read_asset(type, {bytes, path, read_file, budget, diagnostics});
+  ImportSource source{bytes, path, read_file, budget, diagnostics};
+  source.local = true;
+  Asset asset = read_asset(type, source, read_confined);
   auto* const mesh = std::get_if<MeshAsset>(&asset);
   if (mesh && mesh->has_textures()) return false;
   print_diagnostics(diagnostics);
@@ -218,10 +221,66 @@ std::optional<OpenedInput> open_values_stream(const std::string& path) {
   return input;
 }
 
+std::optional<OpenedInput> open_steps(const InputOptions& options, std::span<const std::string> paths) {
+  std::optional<OpenedInput> all;
+  std::vector<qnv::VolumeSource> steps;
+  std::vector<double> times;
+  for (const std::string& path : paths) {
+    auto input = open_input(options, path);
+    if (!input) return std::nullopt;
+    auto* const volume = std::get_if<qnv::VolumeSource>(&input->content);
+    if (!volume || !volume->steps.empty()) {
+      (void)fail(path + ": " + (volume ? "has several steps" : "is no volume") +
+                 "; the steps of a time series are files with one volume each");
+      return std::nullopt;
+    }
+    times.push_back(static_cast<double>(steps.size()));
+    steps.push_back(std::move(*volume));
+    if (!all)
+      all = std::move(input);
+    else
+      all->bytes += input->bytes;
+  }
+  if (!all) return std::nullopt;
+  qnv::VolumeSource source = steps.front();
+  source.steps = std::move(steps);
+  source.times = std::move(times);
+  all->content = std::move(source);
+  return all;
+}
+
+std::optional<std::string> choose_step(const VoxelComponent& component, OpenedInput& input) {
+  auto* const geometry = std::get_if<qnv::Geometry>(&input.content);
+  auto* const volume = geometry ? geometry->as<qnv::Volume>() : nullptr;
+  if (!component.step || !volume || !volume->values) return std::nullopt;
+  const auto values = volume->values;
+  if (values->times.empty()) return std::string("--time selects a step of a time series; this is a single volume");
+  if (!component.step->time && component.step->number >= values->times.size())
+    return "no step " + std::to_string(component.step->number) + "; expected 0 to " +
+           std::to_string(values->times.size() - 1);
+  const std::uint32_t step = qnv::step_number(*component.step, values->times);
+  if (step < values->steps.size()) volume->values = values->steps[step];
+  return std::nullopt;
+}
+
 std::optional<std::string> choose_component(const VoxelComponent& component, OpenedInput& input) {
   auto* const geometry = std::get_if<qnv::Geometry>(&input.content);
   auto* const volume = geometry ? geometry->as<qnv::Volume>() : nullptr;
   if (!component.chosen || !volume || !volume->values) return std::nullopt;
+  if (!volume->values->steps.empty()) {
+    // The component of every step.
+    auto made = std::make_shared<qnv::VolumeValues>(*volume->values);
+    for (auto& step : made->steps) {
+      OpenedInput one{{}, {}, {}, 0, {}, {}, nullptr};
+      qnv::Volume shown;
+      shown.values = step;
+      one.content = qnv::Geometry(std::move(shown));
+      if (auto problem = choose_component(component, one)) return problem;
+      step = std::get<qnv::Geometry>(one.content).as<qnv::Volume>()->values;
+    }
+    volume->values = std::move(made);
+    return std::nullopt;
+  }
   const auto all = volume->values->components;
   if (!component.magnitude && component.index >= std::max<std::size_t>(all.size(), 1))
     return "no component " + std::to_string(component.index) + "; expected " +

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -55,6 +56,11 @@ struct OpenedInput {
 /// Opens a stream of values for formats that need nothing else. Its slices are decoded when they are read, so that the
 /// volume may exceed memory. Returns nullopt for other files, and for streams that cannot be opened in this way.
 [[nodiscard]] std::optional<OpenedInput> open_values_stream(const std::string& path);
+/// Replaces the values of a time series by those of the step that the user chose, if any. Returns a message if the
+/// stream does not have it.
+[[nodiscard]] std::optional<std::string> choose_step(const VoxelComponent& component, OpenedInput& input);
+/// Opens volumes as the steps of a time series, with the times 0, 1, 2, ... Prints errors.
+[[nodiscard]] std::optional<OpenedInput> open_steps(const InputOptions& options, std::span<const std::string> paths);
 /// Replaces the values of a stream with several numbers per voxel by the number that the user chose, if any. Returns a
 /// message if the stream does not have it.
 [[nodiscard]] std::optional<std::string> choose_component(const VoxelComponent& component, OpenedInput& input);

@@ -7,7 +7,8 @@
 #include "app/commands/open.h"
 #include "app/commands/options/options.h"
 #include "app/confined/decoder_child.h"
-#include "app/confined/image_decoding.h"
+#include "app/confined/decoder_pool.h"
+#include "app/formats/confined/confined_import.h"
 #include "app/formats/content_types.h"
 #include "app/script/process/program_child.h"
 #include "app/script/process/program_process.h"
@@ -266,7 +267,7 @@ int run_man(const CommandOptions&) {
 }
 
 int run_command_line(int count, char** arguments) {
-  if (count == 3 && arguments[1] == kDecoderArgument) run_decoder_child(arguments[2]);
+  if (count == 3 && arguments[1] == kDecoderArgument) run_decoder_child(arguments[2], import_in_child);
   if (count == 3 && arguments[1] == script::kProgramsArgument) script::run_program_child(arguments[2]);
   set_decoder_program("/proc/self/exe");
   script::set_program_of_scripts("/proc/self/exe");

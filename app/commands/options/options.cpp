@@ -90,6 +90,17 @@ Problem set_seconds(double& seconds, const std::string& value) {
   return read(value, seconds) && seconds >= 0 && seconds <= kLongest ? Problem{} : "expected seconds, from 0 to 86400";
 }
 
+// Sets the simulated time of pictures, and the step of a time series.
+Problem set_time(CommandOptions& options, const std::string& value) {
+  const auto step = read_shown_step(value);
+  auto* const open = dynamic_cast<OpenCommand*>(&options);
+  if (!step) return open ? "expected seconds, from 0 to 86400" : "expected the number of a step, or a time such as 2.5";
+  VoxelComponent& read = dynamic_cast<LoadOptions&>(options).component;
+  read.step = *step;
+  if (auto* picture = dynamic_cast<PictureOptions*>(&options)) picture->volume.component = read;
+  return open ? set_seconds(open->time, value) : Problem{};
+}
+
 Problem set_until(TraceCommand& options, const std::string& value) {
   return set_seconds(options.until.emplace(), value);
 }
@@ -215,10 +226,11 @@ constexpr OptionRow kOptions[] = {
     {"--snapshot", "OUT.png", "", "write a picture without opening a window, and exit", "open ", with<set_snapshot>},
     {"--size", "WxH", "1024x768", "size of the window or picture in pixels; pictures also in mm, cm or in: 210x297mm",
      "open animate trace ", with<set_size>},
-    {"--time", "SECONDS", "0",
+    {"--time", "SECONDS|N", "0",
      "draw the picture after this simulated time, in steps of at most 1/60 s. The simulated clock starts at 946684800, "
-     "which is 2000-01-01T00:00:00Z",
-     "open ", with<[](OpenCommand& o, const std::string& v) { return set_seconds(o.time, v); }>},
+     "which is 2000-01-01T00:00:00Z. Of a time series of volumes, read the step with this number from 0, or with the "
+     "nearest time if there is a decimal point",
+     "open animate encode export info ", with<set_time>},
     {"--until", "SECONDS", "", "end after this simulated time", "trace ", with<set_until>},
     {"--sound", "FILE.wav", "", "write the sound of the simulated time, at most one hour", "open trace ",
      text<&SimulationOptions::sound>},

@@ -13,7 +13,8 @@ SceneAsset::SceneAsset(SceneAsset&&) noexcept = default;
 SceneAsset& SceneAsset::operator=(SceneAsset&&) noexcept = default;
 SceneAsset::~SceneAsset() = default;
 
-Asset read_asset(const ContentType& type, ImportSource source) {
+Asset read_asset(const ContentType& type, ImportSource source,
+                 Asset (*read)(const ContentType& type, const ImportSource& source)) {
   Diagnostics& diagnostics = source.diagnostics;
   if (!type.remedy.empty() && !source.bytes.empty()) {
     diagnostics.add({Severity::error, source.path, {}, type.refusal()});
@@ -30,7 +31,7 @@ Asset read_asset(const ContentType& type, ImportSource source) {
     if (unpacked.problem) diagnostics.add({Severity::error, source.path, {}, *unpacked.problem});
     if (!unpacked.bytes.empty()) source.bytes = unpacked.bytes.span();
   }
-  Asset asset = type.read(source);
+  Asset asset = read ? read(type, source) : type.read(source);
   const auto* scene = std::get_if<SceneAsset>(&asset);
   const auto* mesh = std::get_if<MeshAsset>(&asset);
   if (!(scene && scene->scene->roots().empty()) && !(mesh && mesh->empty())) return asset;
@@ -67,8 +68,9 @@ std::unique_ptr<vrml::SceneGraph> scene_of(MeshAsset mesh, const std::string& pa
   return scene;
 }
 
-std::unique_ptr<vrml::SceneGraph> import_scene(const ContentType& type, const ImportSource& source) {
-  Asset asset = read_asset(type, source);
+std::unique_ptr<vrml::SceneGraph> import_scene(const ContentType& type, const ImportSource& source,
+                                               Asset (*read)(const ContentType& type, const ImportSource& source)) {
+  Asset asset = read_asset(type, source, read);
   if (auto* scene = std::get_if<SceneAsset>(&asset)) return std::move(scene->scene);
   auto* mesh = std::get_if<MeshAsset>(&asset);
   if (!mesh) return nullptr;

@@ -32,6 +32,7 @@ struct ImportSource {
   std::string name = {};  // original file name of a volume; empty means that of `path`
   VoxelComponent component{};
   bool for_x3d = false;  // the scene becomes part of an X3D world
+  bool local = false;    // a file of this machine
 };
 
 /// Nodes of a file that has its own, such as transformations (glTF). Never null.
@@ -65,13 +66,17 @@ template <auto import>
 
 /// Imports a file, gzip-compressed or not, of a type with `read`. Returns std::monostate if there is nothing to show.
 /// Safe for untrusted input; memory is charged to the budget. Runs on any thread.
-[[nodiscard]] Asset read_asset(const ContentType& type, ImportSource source);
+/// `read` imports the unpacked bytes; by default type.read does, in this process.
+[[nodiscard]] Asset read_asset(const ContentType& type, ImportSource source,
+                               Asset (*read)(const ContentType& type, const ImportSource& source) = nullptr);
 
 /// Makes the nodes of a mesh: one Shape per part. Moves the arrays, so that they need no further memory.
 [[nodiscard]] std::unique_ptr<vrml::SceneGraph> scene_of(MeshAsset mesh, const std::string& path,
                                                          const WorldBudget& budget, Diagnostics& diagnostics);
 
 /// Imports a file as a scene. Returns null if there is nothing to show; the diagnostics give the reason.
-[[nodiscard]] std::unique_ptr<vrml::SceneGraph> import_scene(const ContentType& type, const ImportSource& source);
+[[nodiscard]] std::unique_ptr<vrml::SceneGraph> import_scene(const ContentType& type, const ImportSource& source,
+                                                             Asset (*read)(const ContentType& type,
+                                                                           const ImportSource& source) = nullptr);
 
 }  // namespace gs::app

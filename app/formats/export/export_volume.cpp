@@ -79,6 +79,19 @@ Exported collected(VolumeWriter write, const qnv::Geometry& geometry, const Expo
   return bytes;
 }
 
+// NIfTI has the first time and one distance.
+Written refuse_uneven(const std::vector<double>& times) {
+  for (std::size_t i = 2; i < times.size(); ++i)
+    if (const double apart = times[1] - times[0]; std::abs(times[i] - times[i - 1] - apart) > 1e-5 * apart)
+      return std::string("the times of the steps have unequal distances, which NIfTI cannot hold; expected .nrrd");
+  return std::nullopt;
+}
+
+Written refuse_steps(const WrittenVoxels& voxels, const char* format) {
+  if (voxels.times().empty()) return std::nullopt;
+  return std::string(format) + " holds one volume; expected --time with one step, or .nrrd or .nii";
+}
+
 Written nifti_bytes(const qnv::Geometry& geometry, const ExportOptions& options, const TakeBytes& take) {
   auto made = WrittenVoxels::of(geometry, {.planes = true});
   if (auto* problem = std::get_if<std::string>(&made)) return std::move(*problem);
@@ -95,27 +108,38 @@ Written nifti_bytes(const qnv::Geometry& geometry, const ExportOptions& options,
   };
   write.integer(std::int32_t{348});
   zeros(36);
-  const int numbers = static_cast<int>(voxels.components());
-  for (const int n : {numbers > 1 ? 5 : 3, static_cast<int>(layout.dimensions[0]),
-                      static_cast<int>(layout.dimensions[1]), static_cast<int>(layout.dimensions[2]), 1, numbers, 1, 1})
+  const bool colors = voxels.colors();
+  const int numbers = colors ? 1 : static_cast<int>(voxels.components());
+  const std::vector<double>& times = voxels.times();
+  if (const auto problem = refuse_uneven(times)) return *problem;
+  for (const int n : {numbers > 1      ? 5
+                      : !times.empty() ? 4
+                                       : 3,
+                      static_cast<int>(layout.dimensions[0]), static_cast<int>(layout.dimensions[1]),
+                      static_cast<int>(layout.dimensions[2]), static_cast<int>(std::max<std::size_t>(times.size(), 1)),
+                      numbers, 1, 1})
     write.integer(static_cast<std::int16_t>(n));
   zeros(12);  // parameters of the intent
   write.integer(std::int16_t{static_cast<std::int16_t>(numbers > 1     ? 1007
                                                        : layout.labels ? 1002
                                                                        : 0)});  // _VECTOR, _LABEL
-  write.integer(names_of(layout.type).nifti);
-  write.integer(static_cast<std::int16_t>(8 * qnv::size_of(layout.type)));
+  constexpr std::int16_t kRgb = 128, kRgba = 2304;
+  write.integer(!colors ? names_of(layout.type).nifti : voxels.components() == 3 ? kRgb : kRgba);
+  write.integer(static_cast<std::int16_t>(8 * qnv::size_of(layout.type) * (colors ? voxels.components() : 1)));
   zeros(2);
   write.f32(1);
   for (const glm::vec3& axis : layout.axes) write.f32(glm::length(axis));
-  zeros(16);
+  write.f32(times.empty() ? 0 : static_cast<float>(times[1] - times[0]));
+  zeros(12);
   constexpr float kDataOffset = 352;
   write.f32(kDataOffset);
   write.f32(static_cast<float>(layout.slope));
   write.f32(static_cast<float>(layout.intercept));
   zeros(3);
   write.integer(static_cast<std::uint8_t>(metadata_value(layout, "units") == "mm" ? 2 : 0));
-  zeros(24);
+  zeros(12);
+  write.f32(times.empty() ? 0 : static_cast<float>(times[0]));
+  zeros(8);
   text(options.title, 80);
   zeros(24);
   write.integer(std::int16_t{0});
@@ -171,9 +195,13 @@ Written write_nrrd(const qnv::Geometry& geometry, const ExportOptions& options, 
   std::string head = "NRRD0004\n";
   if (!options.title.empty() && fits_one_line(options.title)) head += "content: " + options.title + "\n";
   const bool several = voxels.components() > 1;
-  head += std::string("type: ") + names_of(layout.type).nrrd + "\ndimension: " + (several ? "4" : "3") +
+  const std::vector<double>& times = voxels.times();
+  const bool moves = !times.empty();
+  head += std::string("type: ") + names_of(layout.type).nrrd +
+          "\ndimension: " + std::to_string(3 + (several ? 1 : 0) + (moves ? 1 : 0)) +
           "\nspace dimension: 3\nsizes:" + (several ? " " + std::to_string(voxels.components()) : "");
   for (const std::uint32_t n : layout.dimensions) head += " " + std::to_string(n);
+  if (moves) head += " " + std::to_string(times.size());
   head += std::string("\nspace directions:") + (several ? " none" : "");
   for (const glm::vec3& axis : layout.axes) {
     std::array<std::string, 3> parts;
@@ -184,8 +212,21 @@ Written write_nrrd(const qnv::Geometry& geometry, const ExportOptions& options, 
     }
     head += " (" + parts[0] + "," + parts[1] + "," + parts[2] + ")";
   }
-  head += "\nspace origin: " + vector(layout.base + layout.origin) + "\nkinds: " + (several ? "list " : "") +
-          "domain domain domain\n";
+  if (moves) {
+    const std::string others = several ? " nan nan nan nan " : " nan nan nan ";
+    head += " none\nspacings:" + others + shortest(times[1] - times[0]) + "\naxis mins:" + others + shortest(times[0]);
+  }
+  head += "\nspace origin: " + vector(layout.base + layout.origin) + "\nkinds: " +
+          (!several                   ? ""
+           : !voxels.colors()         ? "list "
+           : voxels.components() == 3 ? "RGB-color "
+                                      : "RGBA-color ") +
+          "domain domain domain" + (moves ? " time" : "") + "\n";
+  if (refuse_uneven(times)) {
+    head += "times:=";
+    for (const double time : times) head += shortest(time) + " ";
+    head += "\n";
+  }
   if (const std::string units = metadata_value(layout, "units");
       !units.empty() && fits_one_line(units) && units.find('"') == std::string::npos)
     head += "space units: \"" + units + "\" \"" + units + "\" \"" + units + "\"\n";
@@ -197,6 +238,7 @@ Written write_vti(const qnv::Geometry& geometry, const ExportOptions&, const Tak
   auto made = WrittenVoxels::of(geometry, {.scaled = false});
   if (auto* problem = std::get_if<std::string>(&made)) return std::move(*problem);
   const auto& voxels = std::get<WrittenVoxels>(made);
+  if (auto problem = refuse_steps(voxels, ".vti")) return problem;
   const qnv::VolumeLayout& layout = voxels.layout();
   std::array<glm::dvec3, 3> directions;
   std::string spacing, direction, extent;
@@ -212,13 +254,14 @@ Written write_vti(const qnv::Geometry& geometry, const ExportOptions&, const Tak
   for (int row = 0; row < 3; ++row)
     for (std::size_t i = 0; i < 3; ++i) direction += (direction.empty() ? "" : " ") + shortest(directions[i][row]);
   const glm::dvec3 origin = layout.base + layout.origin;
+  const std::string name = voxels.colors() ? "colors" : "values";
   const std::string head =
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" "
       "header_type=\"UInt64\">\n<ImageData WholeExtent=\"" +
       extent + "\" Origin=\"" + shortest(origin.x) + " " + shortest(origin.y) + " " + shortest(origin.z) +
       "\" Spacing=\"" + spacing + "\" Direction=\"" + direction + "\">\n<Piece Extent=\"" + extent +
-      "\">\n<PointData Scalars=\"values\">\n<DataArray type=\"" + names_of(layout.type).vtk +
-      "\" Name=\"values\" NumberOfComponents=\"" + std::to_string(voxels.components()) +
+      "\">\n<PointData Scalars=\"" + name + "\">\n<DataArray type=\"" + names_of(layout.type).vtk + "\" Name=\"" +
+      name + "\" NumberOfComponents=\"" + std::to_string(voxels.components()) +
       "\" format=\"appended\" offset=\"0\"/>\n</PointData>\n</Piece>\n</ImageData>\n"
       "<AppendedData encoding=\"raw\">\n_";
   std::vector<std::byte> size;
@@ -268,6 +311,7 @@ Written write_fits(const qnv::Geometry& geometry, const ExportOptions& options, 
   const auto& voxels = std::get<WrittenVoxels>(made);
   if (voxels.components() > 1)
     return std::string("FITS has one number per voxel; expected --component, or .nrrd, .vti or .nii");
+  if (auto problem = refuse_steps(voxels, "FITS")) return problem;
   const qnv::VolumeLayout& layout = voxels.layout();
   constexpr std::size_t kBlock = 2880;
   std::string head =

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <span>
 #include <type_traits>
 #include <vector>
 
@@ -75,15 +76,19 @@ std::variant<WrittenVoxels, std::string> WrittenVoxels::of(const qnv::Geometry& 
   const qnv::VolumeLayout& from = values->source.layout;
   if (const auto problem = qnv::check(from)) return problem->message;
   WrittenVoxels written;
-  for (const auto& component : values->components) {
-    if (component->source.layout.dimensions != from.dimensions || component->stored != values->components[0]->stored)
-      return std::string("the components of the voxels differ; expected one of them by --component");
-    written.parts_.push_back(component.get());
+  if (values->steps.empty()) {
+    if (auto problem = written.add(*values)) return std::move(*problem);
+  } else {
+    written.times_ = values->times;
+    for (const auto& step : values->steps)
+      if (auto problem = written.add(*step)) return std::move(*problem);
   }
-  if (written.parts_.empty()) written.parts_.push_back(values);
+  written.components_ = written.parts_.size() / std::max<std::size_t>(written.times_.size(), 1);
   values = written.parts_.front();
   written.form_ = form;
   written.layout_ = from;
+  written.layout_.colors = from.colors && written.components_ > 1;
+  written.form_.planes = form.planes && !written.layout_.colors;
   qnv::VolumeLayout& to = written.layout_;
   to.type = values->stored;
   to.slope = values->slope;
@@ -111,9 +116,19 @@ std::uint64_t WrittenVoxels::bytes() const {
   return qnv::voxel_count(layout_) * qnv::size_of(layout_.type) * parts_.size();
 }
 
-std::optional<std::string> WrittenVoxels::convert(std::size_t component, std::uint32_t z,
-                                                  std::vector<std::byte>& to) const {
-  const qnv::VolumeValues& values = *parts_[component];
+std::optional<std::string> WrittenVoxels::add(const qnv::VolumeValues& values) {
+  const qnv::VolumeLayout& first = (parts_.empty() ? values : *parts_.front()).source.layout;
+  const std::size_t before = parts_.size();
+  for (const auto& component : values.components) parts_.push_back(component.get());
+  if (values.components.empty()) parts_.push_back(&values);
+  for (const qnv::VolumeValues* part : std::span(parts_).subspan(before))
+    if (part->source.layout.dimensions != first.dimensions || part->stored != parts_.front()->stored)
+      return std::string("the components of the voxels differ; expected one of them by --component");
+  return std::nullopt;
+}
+
+std::optional<std::string> WrittenVoxels::convert(std::size_t part, std::uint32_t z, std::vector<std::byte>& to) const {
+  const qnv::VolumeValues& values = *parts_[part];
   const qnv::VolumeLayout& from = values.source.layout;
   const double missing =
       is_float(layout_.type) ? std::numeric_limits<double>::quiet_NaN() : layout_.missing.value_or(0);
@@ -133,24 +148,31 @@ std::optional<std::string> WrittenVoxels::convert(std::size_t component, std::ui
   return std::nullopt;
 }
 
-std::optional<std::string> WrittenVoxels::write(const TakeBytes& take) const {
+std::optional<std::string> WrittenVoxels::write_joined(std::size_t step, std::uint32_t z, const TakeBytes& take) const {
   const std::size_t size = qnv::size_of(layout_.type);
   std::vector<std::byte> one, all;
-  for (std::size_t plane = 0; plane < (form_.planes ? parts_.size() : 1); ++plane)
-    for (std::uint32_t z = 0; z < layout_.dimensions[2]; ++z) {
-      if (form_.planes || parts_.size() == 1) {
-        if (auto problem = convert(plane, z, one)) return problem;
+  for (std::size_t c = 0; c < components_; ++c) {
+    if (auto problem = convert(step * components_ + c, z, one)) return problem;
+    all.resize(one.size() * components_);
+    for (std::size_t i = 0; i < one.size(); i += size)
+      std::copy_n(one.data() + i, size, all.data() + i * components_ + c * size);
+  }
+  return take(all) ? std::nullopt : std::optional<std::string>(std::string());
+}
+
+std::optional<std::string> WrittenVoxels::write(const TakeBytes& take) const {
+  const std::size_t steps = parts_.size() / components_, planes = form_.planes ? components_ : 1;
+  for (std::size_t plane = 0; plane < planes; ++plane)
+    for (std::size_t step = 0; step < steps; ++step)
+      for (std::uint32_t z = 0; z < layout_.dimensions[2]; ++z) {
+        if (!form_.planes) {
+          if (auto problem = write_joined(step, z, take)) return problem;
+          continue;
+        }
+        std::vector<std::byte> one;
+        if (auto problem = convert(step * components_ + plane, z, one)) return problem;
         if (!take(one)) return std::string();
-        continue;
       }
-      for (std::size_t c = 0; c < parts_.size(); ++c) {
-        if (auto problem = convert(c, z, one)) return problem;
-        all.resize(one.size() * parts_.size());
-        for (std::size_t i = 0; i < one.size(); i += size)
-          std::copy_n(one.data() + i, size, all.data() + i * parts_.size() + c * size);
-      }
-      if (!take(all)) return std::string();
-    }
   return std::nullopt;
 }
 

@@ -34,7 +34,11 @@ class WrittenVoxels {
 
   [[nodiscard]] const qnv::VolumeLayout& layout() const { return layout_; }
   /// Returns the numbers per voxel.
-  [[nodiscard]] std::size_t components() const { return parts_.size(); }
+  [[nodiscard]] std::size_t components() const { return components_; }
+  /// Returns the times of the steps of a time series; empty for a single volume.
+  [[nodiscard]] const std::vector<double>& times() const { return times_; }
+  /// Reports whether the components are colours. Each voxel then has its numbers together.
+  [[nodiscard]] bool colors() const { return layout_.colors; }
   /// Returns the number of bytes of all voxels.
   [[nodiscard]] std::uint64_t bytes() const;
   /// Converts the voxels slice by slice. Returns a message if a slice cannot be read, and an empty message if `take`
@@ -43,11 +47,16 @@ class WrittenVoxels {
 
  private:
   WrittenVoxels() = default;
-  /// Converts a slice of a component. Returns a message if it cannot be read.
-  [[nodiscard]] std::optional<std::string> convert(std::size_t component, std::uint32_t z,
-                                                   std::vector<std::byte>& to) const;
+  /// Adds the components of a volume. Returns a message if they differ.
+  [[nodiscard]] std::optional<std::string> add(const qnv::VolumeValues& values);
+  /// Converts a slice of a part. Returns a message if it cannot be read.
+  [[nodiscard]] std::optional<std::string> convert(std::size_t part, std::uint32_t z, std::vector<std::byte>& to) const;
+  /// Writes slice z of a step, with the numbers of a voxel together.
+  [[nodiscard]] std::optional<std::string> write_joined(std::size_t step, std::uint32_t z, const TakeBytes& take) const;
 
-  std::vector<const qnv::VolumeValues*> parts_;  // by component
+  std::vector<const qnv::VolumeValues*> parts_;  // by step, then by component
+  std::size_t components_ = 0;
+  std::vector<double> times_;
   qnv::VolumeLayout layout_;
   VoxelForm form_;
   double offset_ = 0;  // of the numbers of FITS

@@ -2,6 +2,7 @@
 #include "app/formats/qnv/surface_pictures.h"
 
 #include "app/formats/common/color_key.h"
+#include "app/formats/confined/confined_import.h"
 #include "app/formats/splats/splats.h"
 #include "app/formats/volume/volume.h"
 #include "base/gzip.h"
@@ -114,7 +115,8 @@ std::optional<qnv::Geometry> GeometryFileReader::stream() {
     if (auto geometry = levels(qnv::LodStream::open(std::move(bytes)))) return geometry;
   }
   qnv::StreamDecoder decoder(most_decoded_vectors(*budget_));
-  decoder.show({file_.origin.component.index, file_.origin.component.magnitude});
+  decoder.show({file_.origin.component.index, file_.origin.component.magnitude, file_.origin.component.chosen,
+                file_.origin.component.step.value_or(qnv::ShownStep())});
   bool late = false;
   const auto push = [&](std::span<const std::byte> bytes) {
     while (!bytes.empty() && !late) {
@@ -156,7 +158,9 @@ std::optional<qnv::Geometry> GeometryFileReader::splats(const ContentType& type)
     if (unpacked.problem && !file_.cut) report(Severity::error, *unpacked.problem);
     bytes = unpacked.bytes.span();
   }
-  Asset asset = type.read({bytes, file_.path, file_.origin.read_beside, budget_, diagnostics_});
+  ImportSource source{bytes, file_.path, file_.origin.read_beside, budget_, diagnostics_};
+  source.local = file_.local;
+  Asset asset = read_confined(type, source);
   qnv::Geometry geometry;
   if (auto* splats = std::get_if<qnv::Splats>(&asset))
     geometry = std::move(*splats);
@@ -252,7 +256,7 @@ std::shared_ptr<qnv::LodStream> hold_levels(std::unique_ptr<qnv::LodStream> stre
 BrickShare::BrickShare(const WorldBudget& budget, bool grows)
     : bricks(budget, Resource::vectors), arrived(budget, Resource::files) {
   // Parts of the remaining budget: bricks, and the level that is decoded as a whole.
-  constexpr std::uint64_t kBrickPart = 7, kBasePart = 8, kArrivedPart = 8;
+  constexpr std::uint64_t kBrickPart = 8, kBasePart = 8, kArrivedPart = 16;
   constexpr std::uint64_t kLeast = std::uint64_t{8} << 20;
   const std::uint64_t left = budget->left(Resource::vectors);
   limits.base_vectors = std::min(limits.base_vectors, static_cast<std::size_t>(left / kBasePart / kDecodedBytes));

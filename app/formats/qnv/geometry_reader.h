@@ -33,6 +33,7 @@ struct GeometryFile {
   double loss = 0;                   // fraction of a stream's packets to drop (`--loss`), 0 to 1
   std::uint64_t loss_seed = 1;
   VolumeOrigin origin{};  // origin of a volume's files
+  bool local = false;     // a file of this machine
   bool to_draw = false;   // true keeps a displaced surface as patches for cuts, not as arrays
 };
 

@@ -26,6 +26,8 @@ struct RawVolume {
 [[nodiscard]] bool read_voxel_type(std::string_view text, RawVolume& raw);
 /// Parses "magnitude", or the index of a component from 0. Returns nullopt for other texts.
 [[nodiscard]] std::optional<VoxelComponent> read_voxel_component(std::string_view text);
+/// Parses the step of a time series: a whole number of digits is the number of the step, other numbers are a time.
+[[nodiscard]] std::optional<qnv::ShownStep> read_shown_step(std::string_view text);
 /// Text for messages and help: the syntax that read_voxel_type accepts.
 inline constexpr std::string_view kVoxelTypes =
     "u8, i8, u16, i16, u32, i32, f32 or f64, with the suffix be for big-endian";

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <iterator>
 #include <optional>
 #include <utility>
@@ -91,6 +92,19 @@ bool read_voxel_type(std::string_view text, RawVolume& raw) {
     return true;
   }
   return false;
+}
+
+std::optional<qnv::ShownStep> read_shown_step(std::string_view text) {
+  qnv::ShownStep step;
+  const char* const end = text.data() + text.size();
+  if (const auto whole = std::from_chars(text.data(), end, step.number); whole.ec == std::errc() && whole.ptr == end)
+    return step;
+  double time = 0;
+  const auto [at, error] = std::from_chars(text.data(), end, time);
+  if (error != std::errc() || at != end || !std::isfinite(time)) return std::nullopt;
+  step.number = 0;
+  step.time = time;
+  return step;
 }
 
 std::optional<VoxelComponent> read_voxel_component(std::string_view text) {

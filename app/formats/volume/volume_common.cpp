@@ -5,7 +5,9 @@
 #include "base/gzip.h"
 #include "net/base/reference_policy.h"
 #include "net/files/file.h"
+#include "qnv/container/step_table.h"
 #include "qnv/container/value_grid.h"
+#include "qnv/sampling/volume/color_voxels.h"
 #include "qnv/sampling/volume/volume_slices.h"
 
 #include <zlib.h>
@@ -248,7 +250,11 @@ std::variant<std::uint64_t, std::string> stored_size(const qnv::VolumeLayout& la
 VolumeResult make_source(qnv::VolumeLayout layout, StoredVoxels voxels) {
   const auto needed = stored_size(layout, voxels.type, voxels.components);
   if (const auto* problem = std::get_if<std::string>(&needed)) return *problem;
-  const std::uint64_t size = std::get<std::uint64_t>(needed), all = voxels.content.bytes.size();
+  std::uint64_t size = std::get<std::uint64_t>(needed);
+  const std::uint64_t all = voxels.content.bytes.size();
+  // Other steps lie between the components.
+  if (voxels.plane > 0)
+    size = ((voxels.components - 1) * voxels.plane + qnv::voxel_count(layout)) * size_of(voxels.type);
   const std::uint64_t there = voxels.offset < all ? all - voxels.offset : 0;
   if (there < size) {
     const auto [x, y, z] = layout.dimensions;
@@ -261,6 +267,9 @@ VolumeResult make_source(qnv::VolumeLayout layout, StoredVoxels voxels) {
            (voxels.components == 1 ? "0, because each voxel has one number"
                                    : "0 to " + std::to_string(voxels.components - 1) + ", or magnitude");
   layout.labels = chosen.labels.value_or(layout.labels) && !chosen.magnitude;
+  layout.colors = layout.colors && voxels.type == StoredType::u8 && !layout.missing && !layout.labels &&
+                  !chosen.chosen && !chosen.magnitude && (voxels.components == 3 || voxels.components == 4);
+  if (layout.colors) layout.slope = 1, layout.intercept = 0;
   mend(layout);
   set_base(layout);
   layout.type = voxel_type_of(voxels.type);
@@ -304,9 +313,38 @@ VolumeResult make_source(qnv::VolumeLayout layout, StoredVoxels voxels) {
       std::erase_if(source.components.back().layout.metadata,
                     [](const auto& pair) { return pair.first == "component"; });
     }
+  if (source.layout.colors) return qnv::color_source(std::move(source.components));
   source.read = [voxels = std::move(voxels), slice, slices](std::uint32_t z, std::span<std::byte> to) {
     return z < slices && read_stored(voxels, slice, z, to);
   };
+  return source;
+}
+
+VolumeResult make_series(const qnv::VolumeLayout& layout, const StoredVoxels& voxels, std::vector<double> times) {
+  if (times.size() < 2 || voxels.component.labels.value_or(layout.labels)) return make_source(layout, voxels);
+  if (times.size() > qnv::kMaxSteps)
+    return std::to_string(times.size()) + " steps; expected at most " + std::to_string(qnv::kMaxSteps);
+  const auto size = stored_size(layout, voxels.type, voxels.plane > 0 ? 1 : voxels.components);
+  if (const auto* problem = std::get_if<std::string>(&size)) return *problem;
+  const auto at = [&](std::size_t step) {
+    StoredVoxels one = voxels;
+    one.offset += std::get<std::uint64_t>(size) * step;
+    return make_source(layout, std::move(one));
+  };
+  if (const auto& chosen = voxels.component.step) {
+    if (!chosen->time && chosen->number >= times.size())
+      return "no step " + std::to_string(chosen->number) + "; expected 0 to " + std::to_string(times.size() - 1);
+    return at(qnv::step_number(*chosen, times));
+  }
+  std::vector<qnv::VolumeSource> steps;
+  for (std::size_t step = 0; step < times.size(); ++step) {
+    VolumeResult made = at(step);
+    if (auto* problem = std::get_if<std::string>(&made)) return "step " + std::to_string(step) + ": " + *problem;
+    steps.push_back(std::move(std::get<qnv::VolumeSource>(made)));
+  }
+  qnv::VolumeSource source = steps.front();
+  source.steps = std::move(steps);
+  source.times = std::move(times);
   return source;
 }
 

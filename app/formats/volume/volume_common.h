@@ -83,6 +83,11 @@ struct StoredVoxels {
 /// invalid.
 [[nodiscard]] VolumeResult make_source(qnv::VolumeLayout layout, StoredVoxels voxels);
 
+/// Creates the source of a time series of volumes, which follow each other. If the component chooses a step, returns
+/// only that one. With fewer than two times, or for labels, otherwise like make_source().
+[[nodiscard]] VolumeResult make_series(const qnv::VolumeLayout& layout, const StoredVoxels& voxels,
+                                       std::vector<double> times);
+
 /// Returns the total size of all voxels in bytes, or a message if the size is too large.
 [[nodiscard]] std::variant<std::uint64_t, std::string> stored_size(const qnv::VolumeLayout& layout, StoredType type,
                                                                    std::uint64_t components);

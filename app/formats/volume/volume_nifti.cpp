@@ -1,4 +1,5 @@
 #include "app/formats/volume/volume_common.h"
+#include "qnv/container/step_table.h"
 #include "qnv/container/value_grid.h"
 #include "qnv/sampling/volume/volume_slices.h"
 
@@ -32,7 +33,7 @@ struct NiftiField {
 constexpr NiftiField kMagic{344, 4}, kDimensions{40, 16}, kDataType{70, 12}, kNiftiSteps{76, 104},
     kVoxelOffset{108, 168}, kSlope{112, 176}, kIntercept{116, 184}, kUnits{123, 500}, kDescription{148, 240},
     kQuaternionCode{252, 344}, kMatrixCode{254, 348}, kQuaternion{256, 352}, kOffset{268, 376}, kMatrix{280, 400},
-    kIntent{328, 508}, kIntentCode{68, 504};
+    kIntent{328, 508}, kIntentCode{68, 504}, kTimeOffset{136, 216};
 
 constexpr int kLabelIntent = 1002;  // NIFTI_INTENT_LABEL
 
@@ -90,11 +91,9 @@ class NiftiHeader {
     const std::string_view all = text_of(bytes_).substr(at(field), most);
     return all.substr(0, all.find('\0'));
   }
-  [[nodiscard]] int space_units() const {
-    const int units =
-        second_ ? value_at<std::int32_t>(bytes_, kUnits.second, swap_) : std::to_integer<int>(bytes_[kUnits.first]);
-    return units & 7;
-  }
+  [[nodiscard]] int space_units() const { return units() & 7; }
+  /// Returns the unit of times: 1 for seconds, 2 for milliseconds, 3 for microseconds.
+  [[nodiscard]] int time_units() const { return units() >> 3 & 7; }
   /// Returns the offset of the voxels in their file, which may be a separate file. Negative if the offset is invalid.
   [[nodiscard]] std::int64_t voxel_offset() const {
     constexpr double kMax = 1e15;
@@ -120,6 +119,9 @@ class NiftiHeader {
   }
 
  private:
+  [[nodiscard]] int units() const {
+    return second_ ? value_at<std::int32_t>(bytes_, kUnits.second, swap_) : std::to_integer<int>(bytes_[kUnits.first]);
+  }
   explicit NiftiHeader(std::span<const std::byte> bytes) : bytes_(bytes) {}
   [[nodiscard]] std::size_t at(NiftiField field) const { return second_ ? field.second : field.first; }
 
@@ -208,6 +210,17 @@ void describe(const NiftiHeader& header, qnv::VolumeLayout& layout) {
     add_metadata(layout, "space units", kSpaceUnits[header.space_units()]);
 }
 
+/// Returns the times of the steps along the fourth axis; empty without steps.
+std::vector<double> times_of(const NiftiHeader& header) {
+  if (!header.is_nifti() || header.dimension(0) < 4) return {};
+  const std::int64_t count = header.dimension(4);
+  if (count < 2 || count > static_cast<std::int64_t>(qnv::kMaxSteps)) return {};
+  const double given = header.number(kNiftiSteps, 4), apart = given > 0 ? given : 1, first = header.number(kTimeOffset);
+  std::vector<double> times;
+  for (std::int64_t i = 0; i < count; ++i) times.push_back(first + apart * static_cast<double>(i));
+  return times;
+}
+
 /// Loads the other file of a pair. For "a.img.gz" and extension ".hdr", that is "a.hdr" or "a.hdr.gz".
 BytesResult load_partner(const VolumeFile& file, std::string_view extension) {
   std::string name = file.name;
@@ -264,11 +277,14 @@ VolumeResult open_nifti(const VolumeFile& file) {
   voxels.components = type->components;
   voxels.component = file.component;
   voxels.big_endian = header->big_endian();
+  layout.colors = type->components > 2;  // DT_RGB24, DT_RGBA32
   // "The 5th dimension is vector-valued data"; the numbers of a voxel are a whole volume apart.
-  const std::int64_t numbers = header->dimension(0) >= 5 && header->dimension(4) == 1 ? header->dimension(5) : 1;
+  std::vector<double> times = times_of(*header);
+  const std::int64_t numbers =
+      header->dimension(0) >= 5 && (header->dimension(4) == 1 || !times.empty()) ? header->dimension(5) : 1;
   if (numbers > 1 && numbers <= qnv::kMaxValueComponents && voxels.components == 1) {
     voxels.components = static_cast<std::uint64_t>(numbers);
-    voxels.plane = qnv::voxel_count(layout);
+    voxels.plane = qnv::voxel_count(layout) * std::max<std::uint64_t>(times.size(), 1);
   }
   if (!header->one_file()) {
     BytesResult loaded = load_partner(file, ".img");
@@ -277,7 +293,9 @@ VolumeResult open_nifti(const VolumeFile& file) {
   }
   if (header->voxel_offset() < 0) return std::string("the offset of the voxels is negative");
   voxels.offset = static_cast<std::uint64_t>(header->voxel_offset());
-  return make_source(std::move(layout), std::move(voxels));
+  static constexpr const char* kTimeUnits[] = {"", "s", "ms", "us"};
+  if (!times.empty() && header->time_units() <= 3) add_metadata(layout, "time unit", kTimeUnits[header->time_units()]);
+  return make_series(layout, voxels, std::move(times));
 }
 
 }  // namespace gs::app

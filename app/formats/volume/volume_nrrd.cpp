@@ -1,8 +1,11 @@
 #include "app/formats/common/text_cursor.h"
 #include "app/formats/volume/volume_common.h"
+#include "qnv/container/step_table.h"
+#include "qnv/container/value_grid.h"
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 // Reader of NRRD: https://teem.sourceforge.net/nrrd/format.html
@@ -12,7 +15,7 @@ namespace {
 
 /// Header fields that this reader supports, unparsed.
 struct NrrdHeader {
-  std::string type, encoding = "raw", endian, data_file, sizes, spacings, axis_mins, directions, origin, kinds;
+  std::string type, encoding = "raw", endian, data_file, sizes, spacings, axis_mins, directions, origin, kinds, times;
   double dimension = 0, line_skip = 0, byte_skip = 0;
   bool detached = false;
   std::size_t size = 0;  // size of the header in bytes, with the blank line at its end
@@ -82,7 +85,10 @@ NrrdHeader read_nrrd_header(std::span<const std::byte> bytes, qnv::VolumeLayout&
     if (line[colon + 1] == '=') {
       // 3D Slicer describes the segments of a segmentation.
       if (line.substr(0, colon) == "Segment0_LabelValue") layout.labels = true;
-      add_metadata(layout, line.substr(0, colon), line.substr(colon + 2));
+      if (line.substr(0, colon) == "times")
+        header.times = line.substr(colon + 2);
+      else
+        add_metadata(layout, line.substr(0, colon), line.substr(colon + 2));
     } else
       read_field(trimmed(line.substr(0, colon)), trimmed(line.substr(colon + 1)), header, layout);
   }
@@ -116,7 +122,9 @@ struct NrrdAxes {
   std::vector<std::size_t> spatial;
   std::vector<double> sizes;  // sizes of the spatial axes
   std::uint64_t components = 1;
-  double skipped = 1;  // size of the largest unused axis after the first spatial axis
+  bool colors = false;              // of the components
+  std::optional<std::size_t> time;  // the only axis after the spatial ones that has several samples
+  double skipped = 1;               // size of the largest unused axis after the first spatial axis
 };
 
 std::variant<NrrdAxes, std::string> axes_of(const NrrdHeader& header) {
@@ -135,6 +143,9 @@ std::variant<NrrdAxes, std::string> axes_of(const NrrdHeader& header) {
     const bool known = kinds.size() == sizes.size() && kinds[i] != "???" && kinds[i] != "none";
     spatial[i] = !none && !(known && kinds[i] != "space" && kinds[i] != "domain");
   }
+  // Without kinds: the last axis is time if the first one is too long for the components of a voxel.
+  if (kinds.empty() && vectors.size() != sizes.size() && sizes.size() == 4 && sizes[0] > qnv::kMaxValueComponents)
+    spatial[3] = false;
   // Without kinds: an axis with one sample is not spatial, and the components of a voxel vary fastest.
   for (const bool any_size : {false, true})
     for (std::size_t i = 0; i < sizes.size() && std::count(spatial.begin(), spatial.end(), true) > 3; ++i)
@@ -149,9 +160,12 @@ std::variant<NrrdAxes, std::string> axes_of(const NrrdHeader& header) {
       if (!(sizes[i] >= 1 && sizes[i] <= kMaxComponents) || sizes[i] != std::floor(sizes[i]))
         return "'sizes' has '" + header.sizes.substr(0, 80) + "'; expected 1 to 4096 components per voxel";
       axes.components *= static_cast<std::uint64_t>(sizes[i]);
+      const std::string_view kind = kinds.size() == sizes.size() ? kinds[i] : std::string_view();
+      axes.colors = kind == "rgb-color" || kind == "rgba-color" || kind == "3-color" || kind == "4-color";
       if (axes.components > static_cast<std::uint64_t>(kMaxComponents))
         return std::string("more than 4096 components per voxel");
     } else {
+      if (sizes[i] > 1) axes.time = axes.skipped > 1 ? std::nullopt : std::optional(i);
       axes.skipped = std::max(axes.skipped, sizes[i]);
     }
   }
@@ -174,6 +188,28 @@ void place(const NrrdHeader& header, const NrrdAxes& axes, qnv::VolumeLayout& la
   }
   const std::vector<double> origin = numbers_of(header.origin, 3);
   for (std::size_t i = 0; i < origin.size(); ++i) layout.origin[static_cast<int>(i)] = origin[i];
+}
+
+/// Returns the times of the steps; empty without steps.
+std::vector<double> times_of(const NrrdHeader& header, const NrrdAxes& axes) {
+  if (!axes.time) return {};
+  const std::vector<double> sizes = numbers_of(header.sizes, 16), spacings = numbers_of(header.spacings, 16),
+                            mins = numbers_of(header.axis_mins, 16);
+  const double count = sizes[*axes.time];
+  if (!(count >= 2 && count <= static_cast<double>(qnv::kMaxSteps)) || count != std::floor(count)) return {};
+  const auto number = [&](const std::vector<double>& from, double otherwise) {
+    return from.size() == sizes.size() && std::isfinite(from[*axes.time]) ? from[*axes.time] : otherwise;
+  };
+  const double first = number(mins, 0), given = number(spacings, 1), apart = given > 0 ? given : 1;
+  // Our exports state times with unequal distances.
+  std::vector<double> times = numbers_of(header.times, qnv::kMaxSteps);
+  if (static_cast<double>(times.size()) == count &&
+      std::ranges::adjacent_find(times, std::greater_equal<>()) == times.end())
+    return times;
+  times.clear();
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i)
+    times.push_back(first + apart * static_cast<double>(i));
+  return times;
 }
 
 /// Returns the voxels after the header and skipped lines, decompressed.
@@ -240,10 +276,12 @@ VolumeResult open_nrrd(const VolumeFile& file) {
   const auto dimensions = dimensions_of(axes.sizes);
   if (!dimensions) return "the sizes are '" + header.sizes.substr(0, 80) + "'; expected whole numbers above 0";
   layout.dimensions = *dimensions;
+  layout.colors = axes.colors;
   place(header, axes, layout);
   const auto size = stored_size(layout, *type, axes.components);
   if (const auto* problem = std::get_if<std::string>(&size)) return *problem;
-  const std::uint64_t bytes = std::get<std::uint64_t>(size);
+  const std::vector<double> times = times_of(header, axes);
+  const std::uint64_t bytes = std::get<std::uint64_t>(size) * std::max<std::size_t>(times.size(), 1);
   auto voxels = voxels_of(file, header, *type, bytes, bytes / size_of(*type));
   if (auto* problem = std::get_if<std::string>(&voxels)) return std::move(*problem);
   StoredVoxels& stored = std::get<StoredVoxels>(voxels);
@@ -251,7 +289,7 @@ VolumeResult open_nrrd(const VolumeFile& file) {
     stored.big_endian = header.endian == "big";
   stored.components = axes.components;
   stored.component = file.component;
-  return make_source(std::move(layout), std::move(stored));
+  return make_series(layout, stored, times);
 }
 
 }  // namespace gs::app

@@ -72,6 +72,9 @@ VolumeResult open_vti(const VolumeFile& file) {
   qnv::VolumeLayout layout;
   if (auto problem = place(header, array->section == VtkSection::point_data, layout)) return std::move(*problem);
   add_metadata(layout, "array", array->name);
+  const std::string name = lower_case(array->name);
+  layout.colors = name.find("rgb") != std::string::npos || name.find("color") != std::string::npos ||
+                  name.find("colour") != std::string::npos;
   if (!array->units.empty()) add_metadata(layout, "units", array->units);
   const StoredType type = *vtk_type_of(array->type);
   const auto size = stored_size(layout, type, array->components);

@@ -58,6 +58,10 @@ struct UiTools {
   std::vector<glm::vec2> slice_edge;                 // corners of the hovered or dragged slice, in framebuffer pixels
   bool color_bar = false;
   std::optional<ColorBar> bar;  // nullopt if the world has nothing with a colour scale
+  // Time series of volumes.
+  std::vector<double> times;  // of the steps; empty for other contents
+  bool steps_playing = false;
+  double step_rate = 10;  // steps per second
   // File series.
   std::size_t files = 0, file = 0;  // number of files of the series, and index of the displayed one
   bool playing = false;
@@ -71,13 +75,13 @@ struct UiTools {
 
 /// Requests of the user to the tools in this frame.
 struct UiToolActions {
-  std::optional<bool> measure, color_bar, play;
+  std::optional<bool> measure, color_bar, play, play_steps;
   bool forget_points = false, undo_point = false, wants_value = false;
   bool wants_histogram = false;
   std::optional<VolumeSlices> slices;
   std::optional<VolumeDisplay> volume;
   std::optional<std::size_t> file;
-  std::optional<double> rate;
+  std::optional<double> rate, step_rate;
   std::optional<PictureWish> picture;
   bool take_picture = false, take_turntable = false, cancel_export = false;
   bool add_to_tour = false, forget_tour_view = false, take_tour = false;

@@ -181,6 +181,35 @@ void MeasurePanel::volume_rows(const PanelFrame& frame, const UiTools& tools, Vo
   if (!(volume == tools.volume)) actions.volume = volume;
 }
 
+void MeasurePanel::step_rows(const PanelFrame& frame, const UiTools& tools, UiToolActions& actions) {
+  const auto last = static_cast<std::uint32_t>(tools.times.size() - 1);
+  const std::uint32_t shown = std::min(tools.volume.step.value_or(0), last);
+  VolumeDisplay volume = actions.volume.value_or(tools.volume);
+  std::optional<std::uint32_t> wished;
+  tool_label("Time", frame.scale);
+  if (ImGui::Button(tools.steps_playing ? "Pause##steps" : "Play##steps")) actions.play_steps = !tools.steps_playing;
+  frame.tooltips.show("Shows one step of the time series after the other");
+  ImGui::SameLine();
+  if (ImGui::Button("<##step")) wished = shown > 0 ? shown - 1 : last;
+  ImGui::SameLine(0, 1);
+  if (ImGui::Button(">##step")) wished = shown < last ? shown + 1 : 0;
+  ImGui::SameLine();
+  int step = static_cast<int>(shown);
+  ImGui::SetNextItemWidth(tool_width());
+  const std::string reading = "%d, time " + readable_value(tools.times[shown]);
+  if (ImGui::SliderInt("##step", &step, 0, static_cast<int>(last), reading.c_str(), ImGuiSliderFlags_AlwaysClamp))
+    wished = static_cast<std::uint32_t>(std::max(0, step));
+  frame.tooltips.show("Number of the step, and its time");
+  tool_label("", frame.scale);
+  auto rate = static_cast<float>(tools.step_rate);
+  ImGui::SetNextItemWidth(tool_width());
+  if (ImGui::SliderFloat("##steprate", &rate, 0.5f, 60, "%.3g steps per second", ImGuiSliderFlags_Logarithmic))
+    actions.step_rate = static_cast<double>(rate);
+  if (!wished) return;
+  volume.step = wished;
+  actions.volume = volume;
+}
+
 void MeasurePanel::series_rows(const PanelFrame& frame, const UiTools& tools, UiToolActions& actions) {
   tool_label("Series", frame.scale);
   if (ImGui::Button(tools.playing ? "Pause" : "Play")) actions.play = !tools.playing;
@@ -221,6 +250,10 @@ void MeasurePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   if (ImGui::Checkbox("##bar", &bar)) actions.color_bar = bar;
   frame.tooltips.show("Shows the values of the colours beside the picture");
   if (model.has_volumes) slice_rows(frame, tools, actions);
+  if (tools.times.size() > 1) {
+    ImGui::Separator();
+    step_rows(frame, tools, actions);
+  }
 }
 
 void PicturePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& all) {

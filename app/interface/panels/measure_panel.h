@@ -15,6 +15,7 @@ class MeasurePanel final : public Panel {
   static void slice_rows(const PanelFrame& frame, const UiTools& tools, UiToolActions& actions);
   static void window_buttons(const PanelFrame& frame, const UiTools& tools, VolumeSlices& slices);
   static void volume_rows(const PanelFrame& frame, const UiTools& tools, VolumeSlices& slices, UiToolActions& actions);
+  static void step_rows(const PanelFrame& frame, const UiTools& tools, UiToolActions& actions);
   static void series_rows(const PanelFrame& frame, const UiTools& tools, UiToolActions& actions);
 };
 

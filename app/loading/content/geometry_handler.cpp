@@ -50,6 +50,7 @@ void GeometryHandler::read_whole(std::span<const std::byte> bytes, const std::st
   if (!type.remedy.empty()) return warn(": " + path + ": " + type.refusal());
   if (!type.is_geometry()) return warn(": " + path + " is " + std::string(type.name) + "; expected a QNV stream");
   GeometryFile file{path, bytes, cut};
+  file.local = found_.local;
   file.to_draw = !loading_.options.whole_surfaces;
   file.origin = {loading_.fetcher.reader_of(found_.origin), file_name_of(found_), loading_.options.component};
   if (!is_node()) {
@@ -143,7 +144,7 @@ void GeometryHandler::start_decoder(const qnv::StreamHeader& header) {
                                           [waker = loading_.waker] { waker->wake(); }));
   decoder_ = std::make_unique<qnv::StreamDecoder>(most_decoded_vectors(*loading_.budget));
   const VoxelComponent& component = loading_.options.component;
-  decoder_->show({component.index, component.magnitude});
+  decoder_->show({component.index, component.magnitude, component.chosen, component.step.value_or(qnv::ShownStep())});
   (void)decoder_->push(std::exchange(bytes_, {}));
   show_records(false);
 }
@@ -180,8 +181,7 @@ void GeometryHandler::show_records(bool last) {
   const net::Instant began = net::clock_now();
   const bool more = vectors >= shown_ + shown_ / 4 + 1000, finer = revision > shown_revision_ + shown_revision_ / 4;
   const bool exact = decoder_->mesh().final && !shown_exact_;
-  if (vectors == 0 || revision == shown_revision_ || (!last && !more && !finer && !exact && !pace_.due(began)))
-    return;
+  if (vectors == 0 || revision == shown_revision_ || (!last && !more && !finer && !exact && !pace_.due(began))) return;
   shown_exact_ = decoder_->mesh().final;
   shown_ = vectors;
   shown_revision_ = revision;

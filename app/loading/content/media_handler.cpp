@@ -52,7 +52,7 @@ void MediaHandler::refuse_size() {
 
 void MediaHandler::examine(std::shared_ptr<MediaFile> file) {
   refused_.reset();
-  auto info = render::examine_media(file->bytes(), [budget = loading_.budget] { return budget->stopped(); });
+  auto info = examine_confined(file->encoded(), [budget = loading_.budget] { return budget->stopped(); });
   const auto* known = std::get_if<render::MediaInfo>(&info);
   std::shared_ptr<const render::Image> first;
   if (request_.content == vrml::UrlContent::movie) {

@@ -1,6 +1,7 @@
 #include "app/loading/content/scene_content.h"
 
 #include "app/formats/common/asset.h"
+#include "app/formats/confined/confined_import.h"
 #include "app/loading/content/geometry_handler.h"
 #include "app/loading/content/outline_reader.h"
 #include "app/loading/content/scene_target.h"
@@ -104,7 +105,8 @@ class MeshContent final : public SceneContent {
     ImportSource source{bytes, found.path, loading.fetcher.reader_of(found.origin), loading.budget,
                         loading.results.diagnostics()};
     source.for_x3d = target_.in_x3d();
-    auto scene = import_scene(type_, source);
+    source.local = found.local;
+    auto scene = import_scene(type_, source, read_confined);
     if (!scene) return target_.refuse();
     target_.replace_scene(std::move(scene));
   }

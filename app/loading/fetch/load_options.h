@@ -36,6 +36,7 @@ struct LoadOptions {
   bool allow_network = false;                    // also for Scripts that have read private files
   std::vector<std::string> allowed;              // files and folders outside its own folder that a local world may read
   bool by_view = false;                          // true lets views choose ranges of long streams on servers
+  bool large_by_view = false;                    // the same, but only of streams that are not decoded as a whole
   std::uint64_t rate = 0;                        // bandwidth limit in bits per second; 0 means unlimited
   std::string cache_folder;                      // cache folder for network resources; empty means no cache
   PhaseClock* phases = nullptr;                  // clock for the parsing time; may be null

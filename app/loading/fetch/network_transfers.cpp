@@ -45,7 +45,8 @@ void NetworkTransfers::begin(Fetch& fetch) {
   std::vector<net::ByteRange> ranges;
   if (fetch.max_bytes != Fetch::kNoLimit) ranges = {{0, fetch.max_bytes}};
   const std::string& path = fetch.candidates[fetch.next - 1].path;
-  const bool is_long = loading_.options.by_view && ranges.empty() && path.ends_with(".qnv");
+  const bool by_view = loading_.options.by_view || loading_.options.large_by_view;
+  const bool is_long = by_view && ranges.empty() && path.ends_with(".qnv");
   fetch.part = is_long ? Fetch::Part::front : Fetch::Part::all;
   if (is_long) ranges = {{0, kFrontBytes}};
   ask(fetch, std::move(ranges));
@@ -154,6 +155,10 @@ bool NetworkTransfers::step_streams() {
   return busy;
 }
 
+bool NetworkTransfers::streams_rest() const {
+  return std::ranges::all_of(streams_, [](const auto& stream) { return stream->rests(); });
+}
+
 NetworkTransfers::Nodes NetworkTransfers::wanted() const {
   Nodes nodes;
   for (const auto& [id, fetch] : by_request_)
@@ -201,7 +206,8 @@ void NetworkTransfers::take_rest(Fetch& fetch) {
   place.row = fetch.row;
   std::shared_ptr<StreamFeed> feed = fetch.handler->feed();
   if (feed) place.directory = feed->directory();
-  const bool by_view = feed && !feed->requests()->in_stream_order();
+  const bool by_view =
+      feed && !feed->requests()->in_stream_order() && (loading_.options.by_view || feed->takes_bytes());
   if (!by_view || place.directory < place.front || place.directory >= place.total)
     return ask(fetch, {{fetch.received, *fetch.total}});
   RangedStream::Sink sink;

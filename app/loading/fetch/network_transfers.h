@@ -46,6 +46,8 @@ class NetworkTransfers {
   /// Requests what views want. Returns true if there was anything.
   bool step_streams();
   [[nodiscard]] bool has_streams() const { return !streams_.empty(); }
+  /// Returns true if no stream awaits data that it has requested.
+  [[nodiscard]] bool streams_rest() const;
   /// Returns true if streams have grown since the last call.
   [[nodiscard]] bool take_growth() { return std::exchange(streams_grew_, false); }
   void note_growth() { streams_grew_ = true; }

@@ -3,6 +3,7 @@
 #include "app/media/media_file.h"
 #include "vrml/behaviours/browser_events.h"
 
+#include <string>
 #include <utility>
 
 namespace gs::app {
@@ -33,6 +34,9 @@ bool WorldMovies::show(bool wait) {
     const auto play = vrml::media_play(execution_, *one.scene, one.id);
     if (!play) continue;
     if (players_.show(one.player, play->position, wait)) any = ++pictures_ > 0;
+    if (const std::string problem = players_.take_problem(*one.player); !problem.empty())
+      world_.diagnostics.add({Severity::warning, one.node->text->file_name(), one.node->location,
+                              one.node->type->name + ": " + problem + "; its last picture stays"});
     running_ = running_ || (play->active && play->rate != 0) || (!wait && players_.waits(*one.player));
   }
   return any;

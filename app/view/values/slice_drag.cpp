@@ -50,7 +50,7 @@ std::optional<SliceGrip> slice_at_edge(const VolumeGrid& grid, const VolumeSlice
       least = distance;
       const double part = std::clamp(nearest_along(from, to - from, ray).value_or(0.5), 0.0, 1.0);
       glm::dvec3 first(0), last(0);
-      last[static_cast<int>(axis)] = grid.dimensions()[axis] - 1.0;
+      last[static_cast<int>(axis)] = (grid.whole()[axis] - 1.0) / grid.fineness(axis);
       const glm::dvec3 point = from + (to - from) * part;
       const glm::dvec3 across = world(grid.place_of(last)) - world(grid.place_of(first));
       nearest = SliceGrip{axis, point, across, slices.places[axis], pointer, !nearest_along(point, across, ray)};

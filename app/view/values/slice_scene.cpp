@@ -93,12 +93,47 @@ class SliceColors {
   Color last_color_{};
 };
 
+render::Image color_slice(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis) {
+  const auto [across, up] = axes_across(axis);
+  render::Image image{grid.kept(across), grid.kept(up), 4, {}};
+  image.pixels.reserve(std::size_t{image.width} * image.height * 4);
+  std::array<std::uint32_t, 3> at{};
+  at[axis] = slice_voxel(grid, slices, axis) / grid.step();
+  for (std::uint32_t row = image.height; row-- > 0;)
+    for (std::uint32_t column = 0; column < image.width; ++column) {
+      at[across] = column;
+      at[up] = row;
+      const auto& color = grid.kept_color(at[0], at[1], at[2]);
+      image.pixels.insert(image.pixels.end(), color.begin(), color.end());
+    }
+  return image;
+}
+
+bool has_own_map(const VolumeSlices& slices) {
+  const ColorMap* const map = find_color_map(slices.map);
+  return !map || map == &color_maps().front();
+}
+
 }  // namespace
 
-std::uint32_t slice_voxel(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis) {
+double slice_voxel(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis) {
   const double place = std::clamp(static_cast<double>(slices.places[axis]), 0.0, 1.0);
-  const double voxel = std::round(place * (grid.dimensions()[axis] - 1));
-  return static_cast<std::uint32_t>(voxel) / grid.step() * grid.step();
+  const double voxel = std::round(place * (grid.whole()[axis] - 1.0)) / grid.fineness(axis);
+  return grid.step() == 1 ? voxel : std::floor(voxel / grid.step()) * grid.step();
+}
+
+std::vector<glm::dvec4> slice_planes(const VolumeGrid& grid, const VolumeSlices& slices,
+                                     const glm::dmat4& world_from_node) {
+  std::vector<glm::dvec4> planes;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!slices.shown[axis]) continue;
+    std::array<glm::dvec3, 4> corners = slice_corners(grid, slices, axis);
+    for (glm::dvec3& corner : corners) corner = glm::dvec3(world_from_node * glm::dvec4(corner, 1));
+    const glm::dvec3 cross = glm::cross(corners[1] - corners[0], corners[3] - corners[0]);
+    const double length = glm::length(cross);
+    if (length > 0) planes.emplace_back(cross / length, -glm::dot(cross / length, corners[0]));
+  }
+  return planes;
 }
 
 std::array<glm::dvec3, 4> slice_corners(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis) {
@@ -119,6 +154,7 @@ std::array<glm::dvec3, 4> slice_corners(const VolumeGrid& grid, const VolumeSlic
 }
 
 render::Image slice_image(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis) {
+  if (grid.has_colors() && has_own_map(slices)) return color_slice(grid, slices, axis);
   SliceColors colors(grid, slices);
   const auto [across, up] = axes_across(axis);
   // Finer parts of a volume that is larger than memory have more pixels.
@@ -126,7 +162,9 @@ render::Image slice_image(const VolumeGrid& grid, const VolumeSlices& slices, st
   render::Image image{fine.size()[across], fine.size()[up], 4, {}};
   image.pixels.resize(std::size_t{image.width} * image.height * 4);
   std::array<std::uint32_t, 3> at{}, count = fine.size();
-  at[axis] = slice_voxel(grid, slices, axis) / grid.step() * fine.factors()[axis];
+  // The plane may lie between the samples that are known.
+  const double plane = slice_voxel(grid, slices, axis) / grid.step() * fine.factors()[axis];
+  at[axis] = std::min(static_cast<std::uint32_t>(std::lround(plane)), fine.size()[axis] - 1);
   count[axis] = 1;
   std::vector<float> values;
   fine.read(at, count, values);

@@ -7,16 +7,23 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <vector>
 
 namespace gs::app {
 
-/// Returns the index of the voxel plane in the file that a slice shows.
-[[nodiscard]] std::uint32_t slice_voxel(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis);
+/// Returns the voxel plane that a slice shows, in voxels of the grid. It is a plane of voxels of the whole volume, or of
+/// those in memory if the grid omits some.
+[[nodiscard]] double slice_voxel(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis);
 /// Returns the corners of the plane that a slice shows, in the volume's space, in order around the plane.
 [[nodiscard]] std::array<glm::dvec3, 4> slice_corners(const VolumeGrid& grid, const VolumeSlices& slices,
                                                       std::size_t axis);
+/// Returns the planes that the slices show, in world space.
+[[nodiscard]] std::vector<glm::dvec4> slice_planes(const VolumeGrid& grid, const VolumeSlices& slices,
+                                                   const glm::dmat4& world_from_node);
 /// Makes the picture of a slice, with one pixel for each voxel in memory. Of the two other axes, the first points to
 /// the right and the second upwards. The picture is RGB; if values are missing, it is RGBA and transparent there.
+/// Colours are RGBA, unless another colour map than the first one is chosen.
 [[nodiscard]] render::Image slice_image(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis);
 
 /// Copy of a world's render list with slices of its volume. A slice is a textured plane that is visible from both

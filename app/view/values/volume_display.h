@@ -37,11 +37,14 @@ inline constexpr auto kUsualShare = static_cast<float>(qnv::kShownFraction);
 /// Display of a volume, besides its slices. Everything but the default needs the values of the volume.
 struct VolumeDisplay {
   VolumeMode mode = VolumeMode::vectors;
-  float share = kUsualShare;      // share of the voxels that are drawn as vectors
-  bool surface = false;           // draw the isosurface
-  std::optional<float> isovalue;  // nullopt means VolumeHistogram::threshold()
+  float share = kUsualShare;          // share of the voxels that are drawn as vectors
+  bool surface = false;               // draw the isosurface
+  std::optional<float> isovalue;      // nullopt means VolumeHistogram::threshold()
+  std::optional<std::uint32_t> step;  // of a time series; nullopt means that of the stream
   glm::vec3 surface_color{0.87f, 0.79f, 0.68f};
-  [[nodiscard]] bool needs_values() const { return mode != VolumeMode::vectors || share != kUsualShare || surface; }
+  [[nodiscard]] bool needs_values() const {
+    return mode != VolumeMode::vectors || share != kUsualShare || surface || step;
+  }
   friend bool operator==(const VolumeDisplay&, const VolumeDisplay&) = default;
 };
 

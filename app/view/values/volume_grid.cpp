@@ -1,5 +1,6 @@
 #include "app/view/values/volume_grid.h"
 
+#include "qnv/sampling/volume/color_voxels.h"
 #include "qnv/sampling/volume/volume_slices.h"
 
 #include <glm/mat3x3.hpp>
@@ -35,11 +36,11 @@ std::variant<std::shared_ptr<const VolumeGrid>, std::string> VolumeGrid::read(co
 
 std::variant<std::shared_ptr<const VolumeGrid>, std::string> VolumeGrid::take(
     const qnv::VolumeSource& source, const std::atomic<bool>* stop, const WorldBudget& budget,
-    std::uint64_t most_voxels, const std::optional<std::pair<float, float>>& range,
-    std::vector<qnv::ValueBrick> bricks) {
+    std::uint64_t most_voxels, const qnv::VolumeValues* about) {
   if (const auto problem = qnv::check(source.layout)) return problem->message;
   std::shared_ptr<VolumeGrid> grid(new VolumeGrid);
   grid->layout_ = source.layout;
+  grid->whole_ = source.layout.dimensions;
   std::uint64_t count = 0;
   const auto count_kept = [&] {
     count = 1;
@@ -50,7 +51,8 @@ std::variant<std::shared_ptr<const VolumeGrid>, std::string> VolumeGrid::take(
   };
   grid->share_.emplace(budget, Resource::vectors);
   for (count_kept(); count > std::max<std::uint64_t>(most_voxels, 1); count_kept()) ++grid->step_;
-  while (!grid->share_->grow(count * sizeof(float))) {
+  const std::size_t voxel_bytes = sizeof(float) + (qnv::has_colors(source) ? 4 : 0);
+  while (!grid->share_->grow(count * voxel_bytes)) {
     if (count <= 8) return "not enough memory for the values of the volume";
     ++grid->step_;
     count_kept();
@@ -74,13 +76,44 @@ std::variant<std::shared_ptr<const VolumeGrid>, std::string> VolumeGrid::take(
       }
   }
   if (!(least <= most)) return "the volume has no values";
-  grid->range_ = range.value_or(std::pair(least, most));
-  grid->bricks_ = std::move(bricks);
+  grid->range_ = {least, most};
+  if (about) grid->describe(*about);
+  if (qnv::has_colors(source) && !grid->read_colors(source)) return "the colours cannot be read";
   constexpr float kWhole = 16777216;  // larger whole numbers have no float of their own
   if (source.layout.labels && std::max(std::abs(grid->range_.first), std::abs(grid->range_.second)) > kWhole &&
       !grid->number_labels(source))
     return "the labels cannot be read";
   return std::shared_ptr<const VolumeGrid>(std::move(grid));
+}
+
+void VolumeGrid::describe(const qnv::VolumeValues& about) {
+  range_ = about.range;
+  bricks_ = about.bricks;
+  error_ = about.error;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (about.whole[axis] == 0) continue;
+    whole_[axis] = about.whole[axis];
+    std::uint32_t voxels = whole_[axis];
+    for (int level = 0; level < about.level && voxels > 1; ++level) {
+      voxels = voxels / 2 + voxels % 2;
+      fineness_[axis] *= 2;
+    }
+  }
+}
+
+bool VolumeGrid::read_colors(const qnv::VolumeSource& source) {
+  colors_.assign(values_.size(), {0, 0, 0, 255});
+  const std::size_t width = source.layout.dimensions[0];
+  std::vector<std::byte> plane(qnv::slice_voxels(source.layout));
+  for (std::uint32_t z = 0; z < kept_[2]; ++z)
+    for (std::size_t c = 0; c < source.components.size(); ++c) {
+      if (!source.components[c].read(z * step_, plane)) return false;
+      auto to = colors_.begin() + static_cast<std::ptrdiff_t>(std::size_t{z} * kept_[1] * kept_[0]);
+      for (std::uint32_t y = 0; y < kept_[1]; ++y)
+        for (std::uint32_t x = 0; x < kept_[0]; ++x)
+          (*to++)[c] = std::to_integer<std::uint8_t>(plane[std::size_t{y} * step_ * width + std::size_t{x} * step_]);
+    }
+  return true;
 }
 
 bool VolumeGrid::number_labels(const qnv::VolumeSource& source) {
@@ -124,30 +157,53 @@ glm::dvec3 VolumeGrid::place_of(const glm::dvec3& voxel) const {
   return glm::dvec3(layout_.origin) + grid_axes(layout_) * voxel;
 }
 
-std::optional<float> VolumeGrid::nearest(const glm::dvec3& voxel) const {
-  std::array<std::uint32_t, 3> at{};
-  for (int i = 0; i < 3; ++i) {
-    const auto axis = static_cast<std::size_t>(i);
-    if (!(voxel[i] >= -0.5 && voxel[i] <= static_cast<double>(layout_.dimensions[axis]) - 0.5)) return std::nullopt;
-    const double place = std::round(std::max(voxel[i], 0.0) / step_);
-    at[axis] = std::min(static_cast<std::uint32_t>(place), kept_[axis] - 1);
-  }
+VolumeGrid::FineSample VolumeGrid::fine_sample(const glm::dvec3& voxel) const {
   for (const qnv::ValueBrick& brick : bricks_) {
-    std::array<std::uint32_t, 3> fine{};
+    FineSample sample{&brick};
     bool inside = true;
     for (int i = 0; inside && i < 3; ++i) {
       const auto axis = static_cast<std::size_t>(i);
       const double place = std::round(std::max(voxel[i], 0.0) / brick.steps[axis]);
       const double last = brick.core_first[axis] + (brick.core_size[axis] - 1.0);
       inside = place >= brick.core_first[axis] && place <= last;
-      if (inside) fine[axis] = static_cast<std::uint32_t>(place);
+      if (inside) sample.at[axis] = static_cast<std::uint32_t>(place);
     }
-    if (!inside) continue;
-    const float value = brick.value(fine[0], fine[1], fine[2]);
-    return value == value ? std::optional(value) : std::nullopt;
+    if (inside) return sample;
   }
-  const float value = kept_value(at[0], at[1], at[2]);
+  return {};
+}
+
+std::optional<std::array<std::uint32_t, 3>> VolumeGrid::kept_at(const glm::dvec3& voxel) const {
+  std::array<std::uint32_t, 3> at{};
+  for (int i = 0; i < 3; ++i) {
+    const auto axis = static_cast<std::size_t>(i);
+    // Voxels of the whole volume may lie beyond the last one of a coarser level.
+    const double end = std::max(layout_.dimensions[axis] - 0.5, (whole_[axis] - 0.5) / fineness_[axis]);
+    if (!(voxel[i] >= -0.5 && voxel[i] <= end)) return std::nullopt;
+    const double place = std::round(std::max(voxel[i], 0.0) / step_);
+    at[axis] = std::min(static_cast<std::uint32_t>(place), kept_[axis] - 1);
+  }
+  return at;
+}
+
+std::optional<std::array<std::uint8_t, 4>> VolumeGrid::color_at(const glm::dvec3& voxel) const {
+  const auto at = kept_at(voxel);
+  if (!at || !has_colors()) return std::nullopt;
+  return kept_color((*at)[0], (*at)[1], (*at)[2]);
+}
+
+std::optional<float> VolumeGrid::nearest(const glm::dvec3& voxel) const {
+  const auto at = kept_at(voxel);
+  if (!at) return std::nullopt;
+  const FineSample fine = fine_sample(voxel);
+  const float value = fine.brick ? fine.brick->value(fine.at[0], fine.at[1], fine.at[2])
+                                 : kept_value((*at)[0], (*at)[1], (*at)[2]);
   return value == value ? std::optional(value) : std::nullopt;
+}
+
+std::optional<float> VolumeGrid::error_at(const glm::dvec3& voxel) const {
+  const FineSample fine = fine_sample(voxel);
+  return fine.brick ? fine.brick->error_of(fine.at[0], fine.at[1], fine.at[2]) : error_;
 }
 
 qnv::VolumeSource source_of(const std::shared_ptr<const VolumeGrid>& grid, std::uint32_t stride) {
@@ -162,6 +218,21 @@ qnv::VolumeSource source_of(const std::shared_ptr<const VolumeGrid>& grid, std::
   source.layout.slope = 1;
   source.layout.intercept = 0;
   source.layout.missing.reset();  // kMissing is a NaN
+  source.layout.colors = grid->has_colors();
+  for (std::size_t c = 0; source.layout.colors && c < 4; ++c) {
+    qnv::VolumeSource one;
+    one.layout = source.layout;
+    one.layout.type = qnv::VoxelType::u8;
+    one.read = [grid, stride, c, size = source.layout.dimensions](std::uint32_t z, std::span<std::byte> to) {
+      if (z >= size[2] || to.size() != std::size_t{size[0]} * size[1]) return false;
+      for (std::uint32_t y = 0; y < size[1]; ++y)
+        for (std::uint32_t x = 0; x < size[0]; ++x)
+          to[std::size_t{y} * size[0] + x] =
+              static_cast<std::byte>(grid->kept_color(x * stride, y * stride, z * stride)[c]);
+      return true;
+    };
+    source.components.push_back(std::move(one));
+  }
   source.read = [grid, stride, size = source.layout.dimensions](std::uint32_t z, std::span<std::byte> to) {
     if (z >= size[2] || to.size() != std::size_t{size[0]} * size[1] * sizeof(float)) return false;
     const std::span<const float> slice = grid->kept_slice(z * stride);

@@ -6,10 +6,24 @@
 #include <glm/vec4.hpp>
 
 #include <array>
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 namespace gs::qnv {
+
+/// Parts of a volume that a view needs. All planes are in the coordinates of the stream.
+struct VolumeNeeds {
+  bool values = true;                             // values are read, not only vectors
+  bool exact = false;                             // values are read, and should be as exact as the stream has them
+  bool only_slices = false;                       // vectors are hidden
+  glm::vec4 clip{0};                              // vectors with dot(clip, (p, 1)) < 0 are hidden; zero means none
+  std::array<glm::vec4, 3> slices{};              // planes that show values; zero means none
+  std::optional<std::bitset<256>> hidden_classes; // of vectors; nullopt means those that the stream's transfer function
+                                                  // hides
+  friend bool operator==(const VolumeNeeds&, const VolumeNeeds&) = default;
+};
 
 /// Viewpoint and limits of a view that draws a surface. All positions are in the coordinates of the stream.
 struct LodView {
@@ -22,6 +36,7 @@ struct LodView {
   std::size_t most_decoded = 0;       // maximum splats to decode now; 0 means no limit
   bool leave_backs = false;           // omits parts that face away, unless the stream is two-sided
   bool each_chunk = false;            // each Piece has splats of only one chunk
+  VolumeNeeds volume{};               // needs of a volume
   friend bool operator==(const LodView&, const LodView&) = default;
 };
 

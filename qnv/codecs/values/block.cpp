@@ -81,9 +81,9 @@ void Block::write(std::size_t number, const BlockBands& bands) const {
   const std::uint32_t middle = middle_above(cubes_[number].lowest);
   for (std::uint32_t z = 0; z < cube.size[2]; ++z)
     for (std::uint32_t y = 0; y < cube.size[1]; ++y)
-      write_line(from + (z * kCubeEdge + y) * kCubeEdge, cube.size[0], middle,
-                 bands.parts[cube.band][cube.at[2] * kCubeEdge + z] + (cube.at[1] * kCubeEdge + y) * bands.row +
-                     cube.at[0] * kCubeEdge);
+      add_line(from + (z * kCubeEdge + y) * kCubeEdge, cube.size[0], middle,
+               bands.parts[cube.band][cube.at[2] * kCubeEdge + z] + (cube.at[1] * kCubeEdge + y) * bands.row +
+                   cube.at[0] * kCubeEdge);
 }
 
 void Block::write(const BlockBands& bands) const {
@@ -138,7 +138,7 @@ void Block::write_split(const SplitWindow& window) const {
                              (begin[0] - window.first[0] / 2);
           for (std::uint32_t z = begin[2]; z < end[2]; ++z, from += kCubeEdge * kCubeEdge, to += 2 * slice)
             for (std::uint32_t y = 0; y < end[1] - begin[1]; ++y)
-              write_line(from + y * kCubeEdge, end[0] - begin[0], middle, to + 2 * y * row);
+              add_line(from + y * kCubeEdge, end[0] - begin[0], middle, to + 2 * y * row);
         }
   }
 }

@@ -84,12 +84,12 @@ class Block {
   /// Decodes the steps of consecutive clusters, or fewer if the bytes are exhausted or the block is exact.
   /// Returns the number of decoded steps.
   std::size_t decode(std::span<const CodedSteps> clusters, BlockScratch& scratch);
-  /// Writes the coefficients that are not zero, each at the middle of its possible values.
+  /// Adds the coefficients, each at the middle of its possible values, to those of `bands`, which wrap at 32 bits.
   void write(const BlockBands& bands) const;
-  /// Writes them to the transformed volume; the second function writes only the low band.
+  /// Adds them to the transformed volume; the second function adds only the low band.
   void write(std::span<std::int32_t> bands, Extent extent) const { write(bands_in_volume(place_, bands, extent)); }
   void write_low(std::span<std::int32_t> bands, Extent extent) const;
-  /// Writes the coefficients in a window of the samples that its level gives, except the low band.
+  /// Adds the coefficients to a window of the samples that its level gives, except the low band.
   void write_split(const SplitWindow& window) const;
   /// Calls visit(at) for those of the cubes `first` to `first + steps - 1` that are not zero. `at` is the place of the
   /// cube in its band. The cubes after the last one are the first ones again.

@@ -23,6 +23,7 @@ struct Cluster {
   std::uint32_t steps = 0;       // number of cubes
   std::uint8_t plane = 0;        // of the first step of the block; only cluster 0 has it
   std::vector<std::byte> bytes;  // of a BinaryEncoder, which each cluster restarts; models continue
+  bool differs = false;          // the block is a difference to that of the step before; only cluster 0 states it
 };
 
 /// Decodes consecutive clusters of a block. Returns the number of decoded steps.
@@ -35,8 +36,9 @@ inline constexpr std::int32_t kMostSample = 1 << 26;
 /// Maximum number of samples of a volume.
 inline constexpr std::size_t kMostSamples = std::size_t{1} << 31;
 
-/// Returns a cluster as the payload of a chunk, and back. Parsing is safe for untrusted bytes.
+/// Returns a cluster as the payload of a chunk, and back. Differences are invalid unless `may_differ`. Parsing is safe
+/// for untrusted bytes.
 [[nodiscard]] std::vector<std::byte> pack(const Cluster& cluster);
-[[nodiscard]] std::optional<Cluster> parse_cluster(std::span<const std::byte> payload);
+[[nodiscard]] std::optional<Cluster> parse_cluster(std::span<const std::byte> payload, bool may_differ = false);
 
 }  // namespace gs::qnv::values

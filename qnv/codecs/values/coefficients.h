@@ -37,21 +37,24 @@ inline void load_line(const std::int32_t* from, std::uint32_t count, std::uint32
   }
 }
 
-/// Writes integers for `count` <= 4 magnitudes with signs. `middle` is added to magnitudes that are not 0.
-inline void write_line(const std::uint32_t* from, std::uint32_t count, std::uint32_t middle, std::int32_t* to) {
+/// Adds integers for `count` <= 4 magnitudes with signs to `to`. `middle` is added to magnitudes that are not 0.
+inline void add_line(const std::uint32_t* from, std::uint32_t count, std::uint32_t middle, std::int32_t* to) {
   constexpr std::uint32_t kHighest = std::uint32_t{1} << 31;
   if (count == kCubeEdge) {
     FourUnsigned value;
     std::memcpy(&value, from, sizeof value);
     const FourUnsigned size = value & ~kHighest, minus = FourUnsigned(FourSigned(value) >> 31);
     const FourUnsigned known = size + (FourUnsigned(size != 0) & middle);
-    const FourUnsigned result = (known ^ minus) - minus;
+    FourUnsigned result;
+    std::memcpy(&result, to, sizeof result);
+    result += (known ^ minus) - minus;
     std::memcpy(to, &result, sizeof result);
     return;
   }
   for (std::uint32_t x = 0; x < count; ++x) {
     const std::uint32_t size = from[x] & ~kHighest, known = size + (size != 0 ? middle : 0);
-    to[x] = static_cast<std::int32_t>((from[x] & kHighest) != 0 ? 0u - known : known);
+    to[x] =
+        static_cast<std::int32_t>(static_cast<std::uint32_t>(to[x]) + ((from[x] & kHighest) != 0 ? 0u - known : known));
   }
 }
 

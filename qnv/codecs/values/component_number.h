@@ -1,6 +1,9 @@
 #pragma once
 
 #include "qnv/base/short_number.h"
+#include "qnv/codecs/values/block_places.h"
+#include "qnv/codecs/values/cube_runs.h"
+#include "qnv/container/container.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -17,6 +20,23 @@ namespace gs::qnv::values {
 struct ComponentCounts {
   std::uint64_t blocks = 0, cubes = 0;
 };
+
+/// Returns the numbers of one component.
+[[nodiscard]] inline ComponentCounts component_counts(const ValueGrid& grid) {
+  const Extent extent = grid.dimensions, cubes = cube_extent(extent);
+  return {BlockLayout(extent, level_count(extent)).count(), std::uint64_t{cubes[0]} * cubes[1] * cubes[2]};
+}
+
+/// Returns the header of a stream that has only one component and one step.
+[[nodiscard]] inline StreamHeader header_of_component(const StreamHeader& header, std::size_t component) {
+  StreamHeader one = header;
+  if (component > 0) one.grid = header.more_grids[component - 1];
+  one.grid.components = 1;
+  one.grid.colors = one.grid.luma = false;
+  one.more_grids.clear();
+  one.steps = {};
+  return one;
+}
 
 /// Payload of one component.
 struct ComponentPayload {

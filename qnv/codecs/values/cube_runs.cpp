@@ -174,6 +174,26 @@ bool decode_run(const CubeRun& run, Extent extent, std::span<Number> numbers) {
   return !decoder.exhausted();
 }
 
+// Decodes a run cube by cube, up to the cube `last`. Calls visit(cube, numbers). Returns false if the run is not in the
+// volume, or truncated.
+template <class Number, class Visit>
+bool decode_cubes(const CubeRun& run, Extent extent, std::uint64_t last, const Visit& visit) {
+  const Extent cubes = cube_extent(extent);
+  const std::uint64_t all = std::uint64_t{cubes[0]} * cubes[1] * cubes[2];
+  if (run.first >= all || run.count > all - run.first) return false;
+  BinaryDecoder decoder(run.bytes);
+  ModelsOf<Number> models;
+  const std::uint64_t end = std::min(run.first + run.count, last == ~std::uint64_t{0} ? last : last + 1);
+  for (std::uint64_t cube = run.first; cube < end && !decoder.exhausted(); ++cube) {
+    std::array<Number, kCubeSize> numbers{};
+    CubeBox box = cube_box(cube, extent, cubes);
+    box.first = 0;
+    models.decode(decoder, box, {kCubeEdge, kCubeEdge, kCubeEdge}, numbers);
+    if (!decoder.exhausted() || sizeof(Number) == 1) visit(cube, numbers);
+  }
+  return !decoder.exhausted();
+}
+
 }  // namespace
 
 Extent cube_extent(Extent extent) {
@@ -287,21 +307,18 @@ bool decode_remainders(const CubeRun& run, Extent extent, std::span<std::uint32_
 
 bool decode_gap_cubes(const CubeRun& run, Extent extent,
                       const std::function<void(std::uint64_t cube, std::uint64_t missing)>& visit) {
-  const Extent cubes = cube_extent(extent);
-  const std::uint64_t all = std::uint64_t{cubes[0]} * cubes[1] * cubes[2];
-  if (run.first >= all || run.count > all - run.first) return false;
-  BinaryDecoder decoder(run.bytes);
-  GapModels models;
-  for (std::uint64_t cube = run.first; cube < run.first + run.count && !decoder.exhausted(); ++cube) {
-    std::array<std::uint8_t, kCubeSize> voxels{};
-    CubeBox box = cube_box(cube, extent, cubes);
-    box.first = 0;
-    models.decode(decoder, box, {kCubeEdge, kCubeEdge, kCubeEdge}, voxels);
+  return decode_cubes<std::uint8_t>(run, extent, ~std::uint64_t{0}, [&](std::uint64_t cube, const auto& voxels) {
     std::uint64_t missing = 0;
     for (std::size_t i = 0; i < voxels.size(); ++i) missing |= std::uint64_t{voxels[i]} << i;
     visit(cube, missing);
-  }
-  return !decoder.exhausted();
+  });
+}
+
+bool decode_remainder_cubes(
+    const CubeRun& run, Extent extent, std::uint64_t last,
+    const std::function<void(std::uint64_t cube, std::span<const std::uint32_t, kCubeSize> numbers)>& visit) {
+  return decode_cubes<std::uint32_t>(run, extent, last,
+                                     [&](std::uint64_t cube, const auto& numbers) { visit(cube, numbers); });
 }
 
 std::vector<std::byte> pack(const CubeRun& run) {

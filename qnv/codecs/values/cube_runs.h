@@ -94,5 +94,10 @@ bool decode_remainders(const CubeRun& run, Extent extent, std::span<std::uint32_
 /// x + 4 y + 16 z is set. Returns false if the run is not in the volume, or truncated.
 bool decode_gap_cubes(const CubeRun& run, Extent extent,
                       const std::function<void(std::uint64_t cube, std::uint64_t missing)>& visit);
+/// Decodes the remainders of a run cube by cube, up to the cube `last`. Calls visit(cube, numbers): that of voxel (x, y,
+/// z) of the cube has the index x + 4 y + 16 z. Returns false if the run is not in the volume, or truncated before.
+bool decode_remainder_cubes(
+    const CubeRun& run, Extent extent, std::uint64_t last,
+    const std::function<void(std::uint64_t cube, std::span<const std::uint32_t, kCubeSize> numbers)>& visit);
 
 }  // namespace gs::qnv::values

@@ -12,6 +12,14 @@
 
 namespace gs::qnv {
 
+std::uint32_t step_number(const ShownStep& step, std::span<const double> times) {
+  if (times.empty()) return 0;
+  if (!step.time) return std::min(step.number, static_cast<std::uint32_t>(times.size() - 1));
+  const double wished = std::clamp(*step.time, times.front(), times.back());
+  const auto nearest = std::ranges::min_element(times, {}, [&](double time) { return std::abs(time - wished); });
+  return static_cast<std::uint32_t>(nearest - times.begin());
+}
+
 std::shared_ptr<const VolumeValues> magnitude_of(std::span<const std::shared_ptr<const VolumeValues>> all) {
   auto made = std::make_shared<VolumeValues>(*all.front());
   made->components.clear();

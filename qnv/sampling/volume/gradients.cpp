@@ -1,6 +1,7 @@
 #include "qnv/sampling/volume/gradients.h"
 
 #include "qnv/base/found_vectors.h"
+#include "qnv/sampling/volume/color_voxels.h"
 #include "qnv/sampling/volume/label_vectors.h"
 #include "qnv/sampling/volume/volume_window.h"
 
@@ -333,7 +334,12 @@ std::variant<Volume, VolumeError> gradient_vectors(const VolumeSource& source, c
     return VolumeError{std::to_string(options.vectors) + " vectors were requested; expected at most " +
                        std::to_string(kMaxVectors)};
   if (source.layout.labels) return label_vectors(source, options, progress);
-  return GradientEncoder(source, options, progress).run();
+  auto made = GradientEncoder(source, options, progress).run();
+  if (auto* const volume = std::get_if<Volume>(&made); volume && has_colors(source)) {
+    color_vectors(source, *volume);
+    volume->description.transfer = color_transfer();
+  }
+  return made;
 }
 
 std::vector<TransferPoint> default_transfer(float least, float most) {

@@ -29,6 +29,7 @@ struct VolumeLayout {
   double slope = 1, intercept = 0;  // value = stored * slope + intercept
   std::optional<double> missing;    // stored value that means "no data"
   bool labels = false;              // the stored numbers are labels of a segmentation, which are never interpolated
+  bool colors = false;              // the components of the source are red, green, blue and perhaps opacity (sRGB, u8)
   std::vector<std::pair<std::string, std::string>> metadata;  // UTF-8
 };
 
@@ -38,6 +39,8 @@ struct VolumeSource {
   VolumeLayout layout;
   std::function<bool(std::uint32_t z, std::span<std::byte> slice)> read;
   std::vector<VolumeSource> components{};  // all numbers of a voxel, if it has several and none was chosen
+  std::vector<VolumeSource> steps{};       // all steps of a time series; the source itself is one of them
+  std::vector<double> times{};             // of the steps, ascending
 };
 
 }  // namespace gs::qnv

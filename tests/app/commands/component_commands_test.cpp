@@ -1,6 +1,7 @@
 // Tests of encode, export and pictures of volumes with several numbers per voxel, as a user runs them.
 #include "app/formats/volume/volume.h"
 #include "qnv/sampling/volume/volume_slices.h"
+#include "render/image/image.h"
 #include "tests/app/commands/vector_commands.h"
 
 #include <cmath>
@@ -124,4 +125,67 @@ TEST_CASE("snapshot: --component selects the numbers of a stream") {
     }
   CHECK(pictures[0] != pictures[2]);
   CHECK(pictures[0] != pictures[4]);
+}
+
+TEST_CASE("encode: keeps colours of voxels, draws them, and export writes them") {
+  const ScratchFolder folder;
+  const std::string stream = folder.path("a.qnv");
+  for (const int count : {3, 4}) {
+    std::string text = std::string("NRRD0004\ntype: uint8\ndimension: 4\nsizes: ") + std::to_string(count) +
+                       " 30 28 26\nkinds: " + (count == 3 ? "RGB-color" : "RGBA-color") +
+                       " domain domain domain\nencoding: raw\n\n";
+    for (int z = 0; z < 26; ++z)
+      for (int y = 0; y < 28; ++y)
+        for (int x = 0; x < 30; ++x) {
+          // A red ball in a green box.
+          const int far = (x - 15) * (x - 15) + (y - 14) * (y - 14) + (z - 13) * (z - 13);
+          const bool box = x > 2 && x < 27 && y > 2 && y < 25 && z > 2 && z < 12;
+          text += far < 90 ? std::string{'\xc8', '\x14', '\x0a'}
+                  : box    ? std::string{'\x0a', '\x96', '\x14'}
+                           : std::string(3, '\0');
+          if (count == 4) text += '\xff';
+        }
+    const std::string volume = folder.write("a.nrrd", text);
+    const Run encoded = run("encode " + quoted(volume) + " " + quoted(stream));
+    INFO(encoded.output);
+    REQUIRE(encoded.status == kDone);
+    CHECK(info(stream).contains("colors"));
+    const auto truth = rows_in_file(volume);
+    REQUIRE(truth.size() == static_cast<std::size_t>(count));
+    for (const char* extension : {"nrrd", "vti", "nii"})
+      for (const std::string& from : {stream, volume}) {
+        const std::string out = folder.path(std::string("out.") + extension), again = folder.path("again.qnv");
+        const Run exported = run("export " + quoted(from) + " " + quoted(out));
+        INFO(exported.output);
+        REQUIRE(exported.status == kDone);
+        CHECK(exported.output.find("voxels of colours, exact") != std::string::npos);
+        CHECK(rows_in_file(out) == truth);
+        REQUIRE(run("encode " + quoted(out) + " " + quoted(again)).status == kDone);
+        CHECK(info(again).contains("colors"));
+      }
+    const std::string red = folder.path("red.nrrd");
+    REQUIRE(run("export --component 0 " + quoted(stream) + " " + quoted(red)).status == kDone);
+    CHECK(rows_in_file(red) == std::vector<std::vector<float>>{truth[0]});
+    // Pictures of the stream and of the file have red and green pixels.
+    for (const std::string& shown : {stream, volume})
+      for (const char* look : {"", " --slice z=9 --slices-alone"}) {
+        const std::string picture = folder.path("a.png");
+        const Run drawn =
+            run("--snapshot " + quoted(picture) + " " + quoted(shown) + " --size 160x160 --background 0,0,0" + look);
+        INFO(drawn.output);
+        REQUIRE(drawn.status == kDone);
+        const std::string bytes = folder.read("a.png");
+        const auto decoded = render::decode_image(std::as_bytes(std::span(bytes)));
+        REQUIRE(std::holds_alternative<render::Image>(decoded));
+        const auto& image = std::get<render::Image>(decoded);
+        std::size_t red_pixels = 0, green_pixels = 0;
+        for (std::size_t i = 0; i + 2 < image.pixels.size(); i += image.components) {
+          red_pixels += image.pixels[i] > 2 * image.pixels[i + 1] + 20 ? 1 : 0;
+          green_pixels += image.pixels[i + 1] > 2 * image.pixels[i] + 20 ? 1 : 0;
+        }
+        INFO(shown << look);
+        CHECK(red_pixels > 300);
+        CHECK(green_pixels > 300);
+      }
+  }
 }

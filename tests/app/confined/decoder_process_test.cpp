@@ -1,6 +1,7 @@
 #include "app/confined/decoder_process.h"
 
 #include "app/base/confinement.h"
+#include "app/confined/decoder_pool.h"
 #include "app/confined/image_decoding.h"
 #include "tests/app/program.h"
 
@@ -200,7 +201,7 @@ TEST_CASE("a missing decoder program gives an error") {
 }
 
 TEST_CASE("answers of decoder processes are not trusted") {
-  const DecodeRequest request{100, 1 << 20, 1000, 1 << 20};
+  const DecodeRequest request{DecodeOperation::picture, 100, 1 << 20, 1000, 1 << 20};
   CHECK(std::holds_alternative<render::Image>(check_answer(answer_of(20, 50, 4), request)));
   const std::string impossible = "the decoder gave an impossible image";
   CHECK(message_of(check_answer(answer_of(20, 51, 4), request)) == impossible);
@@ -218,7 +219,7 @@ TEST_CASE("answers of decoder processes are not trusted") {
   slices.cube = 1;
   CHECK(message_of(check_answer(slices, request)) == impossible);
   DecodeAnswer error;
-  CHECK(message_of(check_answer(error, request)) == "the decoder gave no image and no reason");
+  CHECK(message_of(check_answer(error, request)) == "the decoder gave no result and no reason");
   std::memset(error.text, '\x1b', sizeof error.text);  // also without an end
   CHECK(message_of(check_answer(error, request)) == std::string(DecodeAnswer::kTextBytes, '?'));
 }

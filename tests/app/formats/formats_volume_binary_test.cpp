@@ -123,7 +123,10 @@ TEST_CASE("takes NIfTI positions from the sform, else from the qform") {
   Bytes colors;
   for (const int value : kValues)
     for (const int c : {value, 1, 2}) colors.push_back(static_cast<std::byte>(c));
-  check_values(opened(folder.write("c.nii", string_of(rgb.bytes + colors))));
+  const qnv::VolumeSource painted = opened(folder.write("c.nii", string_of(rgb.bytes + colors)));
+  CHECK(painted.layout.colors);
+  REQUIRE(painted.components.size() == 3);
+  check_values(painted.components[0]);
 
   Nifti1 broken(false, 2, 8, "n+1", 352);
   broken.set<std::int16_t>(42, -3);

@@ -1,8 +1,10 @@
 // Tests of playing MovieTextures with movies of tests/fuzz/corpus/render/movie. Frame i has the grey 20 + 4 i.
+#include "app/confined/decoder_pool.h"
 #include "app/loading/world_loader.h"
 #include "app/loading/world_loading.h"
 #include "app/media/movie_player.h"
 #include "app/simulation/simulation.h"
+#include "tests/app/program.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/render/media/media_files.h"
 
@@ -10,6 +12,9 @@
 
 #include <chrono>
 #include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <thread>
 
@@ -112,6 +117,35 @@ TEST_CASE("decodes movie frames to one image, without a new render item") {
   (void)world.show(*document->first_scene, {0, 0, 10});
   CHECK(document->list->items[0].texture.image.get() == image);
   CHECK(document->first_scene->scene.gathered() == 1);
+}
+
+TEST_CASE("reports once that the process of a movie ended, and keeps the last picture") {
+  set_decoder_program(program());
+  const ScratchFolder folder;
+  (void)folder.write("a.mpg", movie("movie/counting.mp4"));
+  const std::string path = folder.write(
+      "main.wrl", kHeader +
+                      "Shape { appearance Appearance { texture MovieTexture { url \"a.mpg\" startTime 946684800 "
+                      "loop TRUE } } geometry Box { } }");
+  const auto document = hold_world(load_world(path));
+  begin_world(*document, kSimulatedStart);
+  WorldRuntime& world = *document->runtime;
+  const render::Image* const image = document->list->items[0].texture.image.get();
+  (void)world.step(kSimulatedStart + 0.5);
+  CHECK(world.movies().show(true));
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+    std::ifstream list(task.path() / "children");
+    for (pid_t child = 0; list >> child;) (void)::kill(child, SIGKILL);
+  }
+  for (const double time : {1.01, 1.21}) {
+    (void)world.step(kSimulatedStart + time);
+    CHECK_FALSE(world.movies().show(true));
+  }
+  CHECK(number_of(*image) == 12);
+  std::string messages;
+  for (const Diagnostic& one : document->world.diagnostics.entries()) messages += one.message + "\n";
+  CHECK(messages == "MovieTexture: the process that decoded it ended by signal Killed; its last picture stays\n");
+  set_decoder_program({});
 }
 
 TEST_CASE("decodes frames on another thread, and shows them a little later") {

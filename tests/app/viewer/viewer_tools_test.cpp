@@ -1,8 +1,11 @@
 #include "app/viewer/viewer_tools.h"
 #include "base/noncopyable.h"
+#include "qnv/codecs/values/encode/values_stream.h"
 #include "render/gl/context.h"
 #include "tests/app/interface/driver.h"
 #include "tests/app/scratch_folder.h"
+#include "tests/qnv/value_streams.h"
+#include "tests/qnv/volume_sources.h"
 
 #include <catch2/catch.hpp>
 
@@ -13,6 +16,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -353,6 +357,74 @@ TEST_CASE("shows the value of a stream's nearest vector under the pointer") {
   const std::string value = shop.describe().value;
   CHECK(value.starts_with("about "));
   CHECK(value.find(" K, from the nearest vector") != std::string::npos);
+}
+
+TEST_CASE("shows the steps of a time series by a slider, and plays them") {
+  Workshop shop;
+  if (!shop.tools) return;
+  // Step s has the values 0 to 10 (s + 1).
+  constexpr std::uint32_t kSteps = 10;
+  std::vector<qnv::VolumeSource> steps;
+  for (std::uint32_t s = 0; s < kSteps; ++s) {
+    qnv::VolumeLayout layout;
+    layout.dimensions = {24, 24, 24};
+    steps.push_back(test::volume_of(layout, [s](std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+      const double far = std::hypot(x - 12.0, y - 12.0, z - 12.0);
+      return static_cast<float>((s + 1) * std::max(0.0, 10 - far));
+    }));
+  }
+  qnv::VolumeSource source = steps.front();
+  for (std::uint32_t s = 0; s < kSteps; ++s) source.times.push_back(0.5 * s);
+  source.steps = std::move(steps);
+  const auto stream = test::encoded_stream(qnv::encode_values(source, {}));
+  shop.open(shop.scratch.write("a.qnv",
+                               std::string(reinterpret_cast<const char*>(stream.bytes.data()), stream.bytes.size())));
+  const auto settle = [&] {
+    for (int i = 0; i < 5000; ++i) {
+      (void)shop.tools->shown(0, shop.view());
+      (void)shop.tools->take_values();
+      (void)shop.describe();
+      if (!shop.tools->reads_values()) break;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  };
+  UiToolActions actions;
+  actions.wants_histogram = true;
+  shop.apply(actions);
+  settle();
+  REQUIRE(shop.describe().times.size() == kSteps);
+  CHECK(shop.describe().times[3] == 1.5);
+  CHECK(shop.describe().volume.step == 0u);
+  const auto values_shown = [&] { return streamed_values(shop.tools->shown(0, shop.view())); };
+  for (const std::uint32_t step : {9u, 3u}) {
+    UiToolActions move = actions;
+    move.volume = shop.describe().volume;
+    move.volume->step = step;
+    shop.apply(move);
+    settle();
+    settle();
+    CHECK(shop.describe().volume.step == step);
+    REQUIRE(values_shown());
+    CHECK(values_shown()->step == step);
+  }
+  UiToolActions play = actions;
+  play.play_steps = true;
+  play.step_rate = 1000;
+  shop.apply(play);
+  CHECK(shop.describe().steps_playing);
+  CHECK(shop.tools->reads_values());
+  std::set<std::uint32_t> seen;
+  for (int i = 0; i < 20'000 && seen.size() < kSteps; ++i) {
+    (void)shop.tools->take_values();
+    shop.apply(actions);
+    if (const auto values = values_shown()) seen.insert(values->step);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  CHECK(seen.size() == kSteps);
+  play.play_steps = false;
+  shop.apply(play);
+  CHECK_FALSE(shop.describe().steps_playing);
+  settle();
 }
 
 }  // namespace gs::app::viewer_tools_test

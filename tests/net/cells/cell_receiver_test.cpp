@@ -233,6 +233,30 @@ TEST_CASE("resumes after the link was cut", "[cell_receiver]") {
   REQUIRE(client.got.bytes == source->total());  // no byte is delivered twice
 }
 
+TEST_CASE("continues after a minute without contact", "[cell_receiver]") {
+  const auto source = std::make_shared<PatternSource>(1000, Streams{{true, 100, 8000}});
+  Scene scene(server_options(), library(source));
+  Link::Options link;
+  link.latency = 20ms;
+  link.bandwidth = 1'000'000;
+  Link::Options cut = link;
+  cut.cut = true;
+  Scene::Client& client = *scene.clients[scene.add(link, source, 1'000'000)];
+  client.client.want(0, wish(), scene.now);
+  scene.run(scene.now + 2s);
+  REQUIRE(client.got.bytes > 0);
+  REQUIRE(client.got.bytes < source->total());
+  client.up.set(cut);
+  client.down.set(cut);
+  scene.run(scene.now + 60s);
+  REQUIRE_FALSE(client.got.failed);
+  client.up.set(link);
+  client.down.set(link);
+  scene.run(scene.now + 60s, [&] { return client.got.ended; });
+  CHECK(client.got.ok);
+  CHECK(client.got.ended);
+}
+
 TEST_CASE("reports a missing server", "[cell_receiver]") {
   CellClientOptions options;
   options.nonce = 5;

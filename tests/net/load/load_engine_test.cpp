@@ -98,6 +98,27 @@ TEST_CASE("reports a range after the end as an error, and cuts a range across it
   CHECK(bench.load(ranges_of("memory:a", {{0, 10}, {6000, 6001}})).error->kind == LoadErrorKind::bad_request);
 }
 
+TEST_CASE("waits for a server that has answered and restarts, but not for an unknown one") {
+  const auto refused = [](const TransferRequest&) {
+    MemoryAnswer answer;
+    answer.refused = LoadError{LoadErrorKind::unreachable, "the server cannot be reached"};
+    return answer;
+  };
+  const std::string text = pattern(1000);
+  const auto answers = [&](const TransferRequest& request) { return answer_well(resource(text), request); };
+  Bench bench;
+  script(bench, "memory:a", {refused, answers});
+  CHECK(bench.load("memory:a").error->message == "cannot load memory:a: the server cannot be reached");
+  CHECK(bench.load("memory:a").events == "Hd.");
+  script(bench, "memory:b", {refused, refused, refused, refused, refused, refused, answers});
+  const TimePoint before = bench.now;
+  CHECK(bench.load("memory:b").text() == text);
+  CHECK(bench.now - before > std::chrono::seconds(7));
+  script(bench, "memory:c", {refused});
+  const Outcome& never = bench.load("memory:c");
+  CHECK(never.error->message == "cannot load memory:c: the server cannot be reached (after 7 attempts)");
+}
+
 TEST_CASE("rejects invalid requests") {
   Bench bench;
   const auto message = [&](Request request) {

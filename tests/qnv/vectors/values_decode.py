@@ -1,5 +1,6 @@
 """Decodes a stream of values, from FORMAT.md alone. Prints the samples, with "-" for missing voxels, or the codes of
-labels. Of several components, prints one after the other.
+labels. Of several components, prints one after the other; of colours, red, green, blue and opacity; of time series, step
+after step.
 
     python3 values_decode.py STREAM
 """
@@ -94,6 +95,7 @@ class Block:
 
     def __init__(self, level, parts):
         self.level, self.parts, self.cubes, self.plane, self.cube, self.next = level, parts, [], 0, 0, 0
+        self.differs = 0
         for b, (first, size, high) in enumerate(parts):
             counts = [(n + 3) // 4 for n in size]
             for z in range(counts[2]):
@@ -407,11 +409,13 @@ def main():
     if data[:8] != b"\x89QNV\r\n\x1a\n" or data[11] != 5:
         sys.exit("no stream of values")
     (length,) = struct.unpack_from("<I", data, 12)
-    at, grids = 108, []
+    at, grids, steps = 108, [], 1
     while at + 6 <= length:
         tag, size = struct.unpack_from("<HI", data, at)
         if tag == 8 or tag == 11:
             grids.append(data[at + 6:at + 6 + size])
+        if tag == 12:
+            (steps,) = struct.unpack_from("<H", data, at + 6)
         if tag == 9:
             names = data[at + 6:at + 6 + size]
         at += 6 + size
@@ -426,14 +430,38 @@ def main():
     cubes = [(n + 3) // 4 for n in extent]
     counts = {14: len(blocks_of(extent, levels)), 15: cubes[0] * cubes[1] * cubes[2]}
     counts[16] = counts[15]
-    for component in range(components):
-        payloads = []
-        for kind, payload in kept:
-            if kind in counts:
-                first, at = number(payload, 0)
-                if first // counts[kind] == component:
-                    payloads.append((kind, written(first % counts[kind]) + payload[at:]))
-        print_component(extent, levels, grids[component], payloads)
+    before = [None] * components  # coefficients of the step before, by block
+    for step in range(steps):
+        decoded = []
+        for component in range(components):
+            payloads = []
+            for kind, payload in kept:
+                if kind in counts:
+                    first, at = number(payload, 0)
+                    if first // counts[kind] == step * components + component:
+                        payloads.append((kind, written(first % counts[kind]) + payload[at:]))
+            numbers, before[component] = component_numbers(extent, levels, grids[component], payloads,
+                                                           before[component] if step % 8 else None)
+            decoded.append(numbers)
+        if grids[0][73] & 8:
+            decoded = colors(decoded, grids)
+        for numbers in decoded:
+            for number_or_gap in numbers:
+                print(number_or_gap)
+
+
+def colors(decoded, grids):
+    """Returns red, green, blue and opacity, from 0 to 255."""
+    numbers = []
+    for samples, grid in zip(decoded, grids):
+        unit, zero = struct.unpack_from("<2d", grid, 96)
+        numbers.append([int(zero + unit * sample) for sample in samples])
+    if grids[0][73] & 16:
+        for i, (luma, orange, green) in enumerate(zip(*numbers[:3])):
+            half = luma - (green >> 1)
+            blue = half - (orange >> 1)
+            numbers[0][i], numbers[1][i], numbers[2][i] = blue + orange, green + half, blue
+    return [[min(max(one, 0), 255) for one in component] for component in numbers]
 
 
 def written(value):
@@ -444,7 +472,7 @@ def written(value):
     return bytes(out + [value])
 
 
-def print_component(extent, levels, grid, payloads):
+def component_numbers(extent, levels, grid, payloads, before):
     kind, flags = grid[72], grid[73]
     (step,) = struct.unpack_from("<I", grid, 76)
     slope, intercept, unit, zero = struct.unpack_from("<4d", grid, 80)
@@ -463,7 +491,9 @@ def print_component(extent, levels, grid, payloads):
         if index < block.next:
             continue  # repeated
         if index == 0:
-            block.plane, p = payload[p], p + 1
+            block.plane, block.differs, p = payload[p] & 127, payload[p] & 128, p + 1
+            if block.differs and before is None:
+                sys.exit("a difference to no step")
         if index != block.next:
             sys.exit("a cluster is missing")
         block.next += 1
@@ -474,9 +504,17 @@ def print_component(extent, levels, grid, payloads):
             block.step(coder)
     places = [(x, y, z) for z in range(extent[2]) for y in range(extent[1]) for x in range(extent[0])]
     volume = dict.fromkeys(places, 0)
-    for block in blocks:
-        block.write(volume)
+    coefficients = []
+    for i, block in enumerate(blocks):
+        own = {}
+        block.write(own)
+        if before is not None and (block.next == 0 or block.differs):
+            for place, value in before[i].items():
+                own[place] = wrapped(own.get(place, 0) + value)
+        coefficients.append(own)
+        volume.update(own)
     inverse(volume, extent, levels)
+    numbers = []
     for place in places:
         value = volume[place]
         if step:
@@ -488,7 +526,8 @@ def print_component(extent, levels, grid, payloads):
                 (bits,) = struct.unpack("<I", struct.pack("<f", zero + unit * value))
                 value = ~bits & MASK if bits >> 31 else bits | 1 << 31
             value = (value + found.get(place, 0)) & MASK
-        print("-" if place in missing else value)
+        numbers.append("-" if place in missing else value)
+    return numbers, coefficients
 
 
 main()

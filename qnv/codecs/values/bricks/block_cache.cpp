@@ -55,6 +55,13 @@ const Block* BlockCache::find(std::uint64_t block) const {
   return found != blocks_.end() ? found->second.block.get() : nullptr;
 }
 
+bool BlockCache::whole(std::uint64_t block, const ClusterChunks& chunks) const {
+  const std::size_t known = chunks.known(block);
+  if (known == 0) return true;
+  const auto found = blocks_.find(block);
+  return found != blocks_.end() && !found->second.damaged && found->second.next == known;
+}
+
 void BlockCache::trim(std::size_t most_bytes) {
   if (bytes_ <= most_bytes) return;
   std::vector<std::pair<std::uint64_t, std::uint64_t>> order;  // time of use, and number

@@ -2,7 +2,7 @@
 
 #include "base/noncopyable.h"
 #include "qnv/codecs/values/block.h"
-#include "qnv/codecs/values/bricks/cluster_chunks.h"
+#include "qnv/codecs/values/bricks/received/cluster_chunks.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -21,6 +21,8 @@ class BlockCache : NonCopyable {
   void decode(std::span<const std::uint64_t> blocks, const ClusterChunks& chunks);
   /// Returns a block, or null if none of its clusters was decoded.
   [[nodiscard]] const Block* find(std::uint64_t block) const;
+  /// Reports whether all clusters of a block with known places were decoded.
+  [[nodiscard]] bool whole(std::uint64_t block, const ClusterChunks& chunks) const;
   /// Drops the blocks that were used least recently, down to a limit.
   void trim(std::size_t most_bytes);
   [[nodiscard]] std::size_t bytes() const { return bytes_; }

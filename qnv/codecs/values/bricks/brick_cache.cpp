@@ -29,15 +29,22 @@ const Brick* BrickCache::find(const BrickName& name) const {
   return found != bricks_.end() ? &found->second.brick : nullptr;
 }
 
-std::uint64_t BrickCache::key_of(const BrickName& name, const BrickBase& base, const ClusterChunks& chunks,
-                                 const GapRuns& gaps, std::vector<std::uint64_t>& blocks) const {
+std::uint64_t BrickCache::key_of(const BrickName& name, const BrickNeeds& needs, const BrickSources& sources,
+                                 std::vector<std::uint64_t>& blocks) const {
   const auto parent = bricks_.find(name.parent());
-  std::uint64_t key = parent != bricks_.end() ? parent->second.key : mixed(1, base.version);
-  if (name.level == 0) key = mixed(key, gaps.count());
+  std::uint64_t key =
+      parent != bricks_.end() ? parent->second.key : mixed(mixed(1, sources.base.version), sources.base.final ? 1 : 0);
+  if (name.level == 0) key = mixed(key, sources.gaps.count());
+  if (name.level == 0 && needs.exact.contains(name)) {
+    key = mixed(key, ~std::uint64_t{0});
+    sources.remainders.visit(layout_.extended(name), [&](const RunPlace& run) {
+      if (sources.remainders.has(run)) key = mixed(key, run.first);
+    });
+  }
   blocks.clear();
   layout_.visit_blocks(name, true, [&](std::uint64_t block) {
-    if (!used_blocks_.contains(block)) return;
-    const std::uint32_t received = BlockCache::received(block, chunks);
+    if (!needs.blocks.contains(block)) return;
+    const std::uint32_t received = BlockCache::received(block, sources.chunks);
     if (received == 0) return;
     key = mixed(mixed(key, block), received);
     blocks.push_back(block);
@@ -45,50 +52,77 @@ std::uint64_t BrickCache::key_of(const BrickName& name, const BrickBase& base, c
   return key;
 }
 
-void BrickCache::compute(const Work& work, const BrickBase& base, const GapRuns& gaps) const {
+void BrickCache::compute(const Work& work, const BrickNeeds& needs, const BrickSources& sources) const {
   Brick& brick = work.state->brick;
   const int level = brick.name.level;
+  const BrickBase& base = sources.base;
   std::vector<const Block*> blocks;
   for (const std::uint64_t number : work.blocks)
     if (const Block* const block = blocks_.find(number)) blocks.push_back(block);
-  BrickSamples made = lift_brick(level, layout_.extended(brick.name), layout_.extent(level), *work.coarser, blocks);
+  BrickSamples made = lift_brick(level, layout_.extended(brick.name), layout_.extent(level),
+                                 work.parent ? *work.parent->samples : *base.samples, blocks);
+  brick.final = {};
+  if (base.final)
+    brick.final =
+        final_cubes(layout_, brick.name, work.parent ? &work.parent->final : nullptr, [&](std::uint64_t block) {
+          return sources.chunks.known(block) == 0 ||
+                 (needs.blocks.contains(block) && blocks_.whole(block, sources.chunks));
+        });
+  std::vector<std::int32_t> raw;
+  const bool exact = work.exact && base.final;
+  if (exact) raw = made.samples;
   VolumeLayout layout = levels_[static_cast<std::size_t>(level)];
   if (level == 0) base.limits.apply(made.samples);
-  if (level == 0 && gaps.mark(made.box, kMissingInBrick, made.samples)) layout.missing = kMissingInBrick;
+  if (level == 0 && sources.gaps.mark(made.box, kMissingInBrick, made.samples)) layout.missing = kMissingInBrick;
   const SampleBox core = layout_.core(brick.name);
   brick.wanted = base.shares.of(brick.name) * static_cast<double>(sample_count(core.size));
   brick.vectors = longest_vectors(made, core, layout, static_cast<std::size_t>(std::ceil(kKeptVectors * brick.wanted)));
+  if (level == 0) finish(brick, made, raw, sources);
   brick.samples = std::make_shared<const BrickSamples>(std::move(made));
 }
 
-bool BrickCache::update(std::span<const BrickName> chosen, const BrickBase& base, const ClusterChunks& chunks,
-                        const GapRuns& gaps, std::size_t most_bytes, const std::atomic<bool>& stop) {
+// Applies remainders to the samples of a brick of level 0. `raw` are the samples without limits, or empty.
+void BrickCache::finish(Brick& brick, BrickSamples& made, std::span<const std::int32_t> raw,
+                        const BrickSources& sources) const {
+  brick.stored = false;
+  if (!grid_.exact && grid_.correction == 0) return;
+  if (raw.empty()) {
+    brick.final = {};
+    return;
+  }
+  std::vector<std::uint32_t> remainders(made.samples.size());
+  sources.remainders.add(brick.final, remainders);
+  apply_remainders(grid_, brick.final, raw, remainders, made.samples);
+  brick.stored = grid_.exact;
+}
+
+bool BrickCache::update(const BrickNeeds& needs, const BrickSources& sources, std::size_t most_bytes,
+                        const std::atomic<bool>& stop, const std::function<void()>& before_change) {
   ++time_;
   computed_ = 0;
-  used_blocks_.clear();
-  for (const BrickName& name : chosen)
-    layout_.visit_blocks(name, false, [&](std::uint64_t block) { used_blocks_.insert(block); });
+  make_room(needs, sources.base, most_bytes);
   for (int level = layout_.base() - 1; level >= 0; --level) {
     std::vector<Work> works;
     std::vector<std::uint64_t> blocks, needed;
-    for (const BrickName& name : chosen) {
+    for (const BrickName& name : needs.chosen) {
       if (name.level != level) continue;
-      const std::uint64_t key = key_of(name, base, chunks, gaps, blocks);
+      const std::uint64_t key = key_of(name, needs, sources, blocks);
       State& state = bricks_[name];
       state.used = time_;
       if (state.brick.samples && state.key == key) continue;
+      if (computed_ == 0 && works.empty()) before_change();
       state.key = key;
       if (state.brick.samples) bytes_ -= state.brick.bytes();
       state.brick.name = name;
       state.brick.samples.reset();
       const Brick* const parent = level + 1 < layout_.base() ? find(name.parent()) : nullptr;
-      works.push_back({&state, parent ? parent->samples.get() : &base.samples, blocks});
+      works.push_back({&state, parent, blocks, needs.exact.contains(name)});
       needed.insert(needed.end(), blocks.begin(), blocks.end());
     }
-    blocks_.decode(needed, chunks);
+    blocks_.decode(needed, sources.chunks);
     // Bricks are computed side by side, and each needs only the coarser one.
     (void)parallel_for(works.size(), [&](std::size_t i) {
-      if (!stop) compute(works[i], base, gaps);
+      if (!stop) compute(works[i], needs, sources);
     });
     for (const Work& work : works)
       if (work.state->brick.samples) bytes_ += work.state->brick.bytes();
@@ -98,6 +132,19 @@ bool BrickCache::update(std::span<const BrickName> chosen, const BrickBase& base
   }
   trim(most_bytes);
   return true;
+}
+
+// Drops bricks that are not chosen before new ones need their memory.
+void BrickCache::make_room(const BrickNeeds& needs, const BrickBase& base, std::size_t most_bytes) {
+  std::size_t coming = 0;
+  for (const BrickName& name : needs.chosen) {
+    const auto known = bricks_.find(name);
+    if (known != bricks_.end())
+      known->second.used = time_;
+    else
+      coming += brick_bytes(layout_, name, base.shares.of(name));
+  }
+  trim(most_bytes - std::min(coming, most_bytes));
 }
 
 void BrickCache::trim(std::size_t most_bytes) {

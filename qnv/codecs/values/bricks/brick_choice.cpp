@@ -25,6 +25,8 @@ constexpr double kVectorBytes = 28 + 41 + 32;
 constexpr double kCoefficientBytes = 2;
 // Factor of the wish for bricks in which the transfer function shows nothing.
 constexpr double kHiddenFactor = 1.0 / 64;
+// Factor of the wish for bricks that a slice shows: three levels.
+constexpr double kSliceFactor = 8;
 
 struct Wish {
   double size = 0;  // of a voxel of the next coarser level, in pixels
@@ -34,6 +36,16 @@ struct Wish {
     return size != other.size ? size < other.size : other.name < name;
   }
 };
+
+// Returns the least and the largest distance of the corners of a box from a plane, times the length of its normal.
+std::pair<float, float> distances(const Box& box, const glm::vec4& plane) {
+  const glm::vec3 normal(plane), a = normal * box.lower, b = normal * box.upper;
+  const glm::vec3 least = glm::min(a, b), most = glm::max(a, b);
+  return {least.x + least.y + least.z + plane.w, most.x + most.y + most.z + plane.w};
+}
+
+// Reports whether a plane hides a whole box.
+bool below(const Box& box, const glm::vec4& plane) { return plane != glm::vec4(0) && distances(box, plane).second < 0; }
 
 bool shows(std::span<const TransferPoint> transfer, float value) {
   const auto next = std::ranges::find_if(transfer, [&](const TransferPoint& p) { return p.value >= value; });
@@ -65,17 +77,16 @@ VectorShares::VectorShares(const Volume& vectors, const VolumeLayout& layout, in
     : level_(level), extent_(layout.dimensions) {
   for (std::size_t a = 0; a < 3; ++a) cells_[a] = (extent_[a] - 1) / kCell + 1;
   counts_.resize(sample_count(cells_));
-  visible_.resize(counts_.size());
-  std::array<bool, 256> shown{};
-  for (std::size_t i = 0; i < shown.size(); ++i)
-    shown[i] = shows(vectors.description.transfer, static_cast<float>(i) / 255);
+  classes_.resize(counts_.size());
+  for (std::size_t i = 0; i < hidden_.size(); ++i)
+    hidden_[i] = !shows(vectors.description.transfer, static_cast<float>(i) / 255);
   const std::vector<std::uint32_t> voxels = voxels_of_vectors(vectors, layout);
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     const std::uint32_t x = voxels[i] % extent_[0], y = voxels[i] / extent_[0] % extent_[1],
                         z = voxels[i] / extent_[0] / extent_[1];
     const std::size_t cell = (std::size_t{z / kCell} * cells_[1] + y / kCell) * cells_[0] + x / kCell;
     ++counts_[cell];
-    if (vectors.classes.empty() || shown[vectors.classes[i]]) visible_[cell] = 1;
+    classes_[cell].set(vectors.classes.empty() ? 255u : vectors.classes[i]);
   }
 }
 
@@ -108,29 +119,41 @@ double VectorShares::of(const BrickName& name) const {
   return static_cast<double>(vectors) / static_cast<double>(voxels);
 }
 
-bool VectorShares::visible(const BrickName& name) const {
+bool VectorShares::visible(const BrickName& name, const std::optional<std::bitset<256>>& hidden) const {
   if (counts_.empty()) return false;
+  const std::bitset<256> shown = ~(hidden ? *hidden : hidden_);
   const Range range = cells_of(name);
   for (std::uint32_t z = range.first[2]; z <= range.last[2]; ++z)
     for (std::uint32_t y = range.first[1]; y <= range.last[1]; ++y)
       for (std::uint32_t x = range.first[0]; x <= range.last[0]; ++x)
-        if (visible_[(std::size_t{z} * cells_[1] + y) * cells_[0] + x] != 0) return true;
+        if ((classes_[(std::size_t{z} * cells_[1] + y) * cells_[0] + x] & shown).any()) return true;
   return false;
 }
 
-Box brick_box(const BrickLayout& layout, const BrickName& name, const VolumeLayout& level) {
-  const SampleBox core = layout.core(name);
+bool touches_slice(const Box& box, float margin, const VolumeNeeds& needs) {
+  return std::ranges::any_of(needs.slices, [&](const glm::vec4& plane) {
+    const auto [least, most] = distances(box, plane);
+    const float near = margin * glm::length(glm::vec3(plane));
+    return plane != glm::vec4(0) && least <= near && most >= -near;
+  });
+}
+
+Box samples_box(const SampleBox& samples, const VolumeLayout& level) {
   Box box;
   for (unsigned c = 0; c < 8; ++c) {
     glm::dvec3 at;
     for (int a = 0; a < 3; ++a) {
       const auto i = static_cast<std::size_t>(a);
-      // A brick ends in the middle between its last voxel and the next one.
-      at[a] = (c >> i & 1) != 0 ? core.first[i] + core.size[i] - 0.5 : core.first[i] - 0.5;
+      // The box ends in the middle between its last voxel and the next one.
+      at[a] = (c >> i & 1) != 0 ? samples.first[i] + samples.size[i] - 0.5 : samples.first[i] - 0.5;
     }
     box.add(voxel_position(level, at.x, at.y, at.z));
   }
   return box;
+}
+
+Box brick_box(const BrickLayout& layout, const BrickName& name, const VolumeLayout& level) {
+  return samples_box(layout.core(name), level);
 }
 
 std::size_t brick_bytes(const BrickLayout& layout, const BrickName& name, double share) {
@@ -144,18 +167,22 @@ std::vector<BrickName> choose_bricks(const BrickChoice& choice) {
   const BrickLayout& layout = choice.layout;
   std::priority_queue<Wish> wishes;
   const auto consider = [&](const BrickName& name) {
-    if (!(choice.shares.of(name) > 0)) return;
     const Box box = brick_box(layout, name, choice.levels[static_cast<std::size_t>(name.level)]);
     const float coarse = smallest_step(choice.levels[static_cast<std::size_t>(name.level) + 1]);
+    const bool has_vectors = choice.shares.of(name) > 0;
     double size = 0;
     for (const LodView& view : choice.views) {
-      if (outside(box, view)) continue;
+      const VolumeNeeds& needs = view.volume;
+      const bool vectors = has_vectors && !needs.only_slices && !below(box, needs.clip),
+                 slice = touches_slice(box, coarse, needs);
+      if ((!vectors && !slice) || outside(box, view)) continue;
       const float distance = glm::length(view.eye - glm::clamp(view.eye, box.lower, box.upper));
       const double pixels = static_cast<double>(coarse) * view.pixels / std::max(distance, coarse);
-      if (pixels > view.error_pixels) size = std::max(size, pixels);
+      if (!(pixels > view.error_pixels)) continue;
+      const bool visible = vectors && choice.shares.visible(name, needs.hidden_classes);
+      size = std::max(size, pixels * (slice ? kSliceFactor : visible ? 1 : kHiddenFactor));
     }
-    if (!(size > 0)) return;
-    wishes.push({choice.shares.visible(name) ? size : size * kHiddenFactor, name});
+    if (size > 0) wishes.push({size, name});
   };
   if (layout.base() > 0) {
     const Extent count = layout.bricks(layout.base() - 1);

@@ -6,8 +6,10 @@
 #include "qnv/codecs/values/bricks/brick_places.h"
 #include "qnv/sampling/volume/volume.h"
 
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -26,8 +28,9 @@ class VectorShares {
 
   /// Returns the share in a brick of a finer level. Small bricks get that of the cells around them.
   [[nodiscard]] double of(const BrickName& name) const;
-  /// Reports whether the transfer function of the stream shows a vector of the brick.
-  [[nodiscard]] bool visible(const BrickName& name) const;
+  /// Reports whether a vector of the brick has a class that is not hidden. nullopt means the classes that the transfer
+  /// function of the stream hides.
+  [[nodiscard]] bool visible(const BrickName& name, const std::optional<std::bitset<256>>& hidden) const;
 
  private:
   static constexpr std::uint32_t kCell = 4;  // edge of a cell in voxels of the level
@@ -39,7 +42,8 @@ class VectorShares {
   int level_ = 0;
   Extent extent_{}, cells_{};
   std::vector<std::uint32_t> counts_;
-  std::vector<std::uint8_t> visible_;
+  std::vector<std::bitset<256>> classes_;  // of the vectors of each cell
+  std::bitset<256> hidden_;                // by the transfer function of the stream
 };
 
 /// Returns the index of the voxel of each vector in the layout, x first.
@@ -53,14 +57,20 @@ struct BrickChoice {
   std::span<const LodView> views;
   std::size_t most_bytes = 0;  // estimated memory of all bricks, with all that comes from them
 };
-/// Chooses the bricks that the views need, most wanted first. A brick is wanted if it has vectors, is in a view, and if
-/// its samples are nearer than the pixels there. Those with the largest voxels of the next coarser level on the screen
-/// come first, so that a brick follows the one that contains it. The choice depends on nothing else.
+/// Chooses the bricks that the views need, most wanted first. A brick is wanted if it is in a view, has vectors or
+/// touches a slice, and if its samples are nearer than the pixels there. Those of slices come first, and those without
+/// visible vectors last. Those with larger voxels of the next coarser level on the screen precede the others, so that a
+/// brick follows the one that contains it. The choice depends on nothing else.
 [[nodiscard]] std::vector<BrickName> choose_bricks(const BrickChoice& choice);
+
+/// Reports whether a slice goes through a box, or is at most `margin` away.
+[[nodiscard]] bool touches_slice(const Box& box, float margin, const VolumeNeeds& needs);
 
 /// Returns the estimated memory of a brick: its samples, coefficients and vectors, and the copies of these for drawing.
 [[nodiscard]] std::size_t brick_bytes(const BrickLayout& layout, const BrickName& name, double share);
 
+/// Returns the bounds of samples, in the coordinates of the views. `level` is the layout of their level.
+[[nodiscard]] Box samples_box(const SampleBox& samples, const VolumeLayout& level);
 /// Returns the bounds of a brick, in the coordinates of the views. `level` is the layout of its level.
 [[nodiscard]] Box brick_box(const BrickLayout& layout, const BrickName& name, const VolumeLayout& level);
 

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <utility>
 #include <variant>
 
@@ -14,11 +15,6 @@ namespace gs::qnv {
 namespace {
 
 constexpr std::size_t kScanPiece = std::size_t{1} << 20;
-
-values::ClusterChunks chunks_for(const std::shared_ptr<const ChunkSource>& source, const BrickLimits& limits) {
-  if (source) return values::ClusterChunks(source);
-  return values::ClusterChunks(limits.arrived_bytes);
-}
 
 std::vector<VolumeLayout> layouts_of(const StreamHeader& header, int base) {
   std::vector<VolumeLayout> levels;
@@ -29,7 +25,7 @@ std::vector<VolumeLayout> layouts_of(const StreamHeader& header, int base) {
 
 /// Returns a finer part of the values.
 ValueBrick value_brick(const values::Brick& brick, const values::BrickLayout& layout, const VolumeLayout& level,
-                       bool gaps) {
+                       const ValueGrid& grid, bool gaps) {
   ValueBrick part;
   part.level = brick.name.level;
   part.first = brick.samples->box.first;
@@ -42,9 +38,14 @@ ValueBrick value_brick(const values::Brick& brick, const values::BrickLayout& la
     for (int l = brick.name.level; l < layout.base(); ++l) steps += layout.extent(l)[a] > 1 ? 1 : 0;
     part.steps[a] = std::ldexp(1.0, -steps);
   }
-  part.slope = level.slope;
-  part.intercept = level.intercept;
-  if (gaps && part.level == 0) part.missing = values::kMissingInBrick;
+  part.slope = brick.stored ? grid.slope : level.slope;
+  part.intercept = brick.stored ? grid.intercept : level.intercept;
+  if (brick.stored) part.type = values::stored_type(grid);
+  if (gaps && part.level == 0 && part.type != VoxelType::f32) part.missing = values::kMissingInBrick;
+  if (part.level == 0 && !brick.final.flags.empty() && !grid.errors.empty()) {
+    part.error = grid.errors.back().most;
+    part.bounded = std::make_shared<const std::vector<std::uint8_t>>(brick.final.flags);
+  }
   part.samples = {brick.samples, &brick.samples->samples};
   return part;
 }
@@ -62,12 +63,16 @@ BrickDecoder::BrickDecoder(const StreamHeader& header, const BrickLimits& limits
       source_(std::move(source)),
       layout_(header.grid.dimensions, base_level(header.grid, limits.base_vectors)),
       levels_(layouts_of(header, layout_.base())),
-      chunks_(chunks_for(source_, limits)),
+      kept_(limits.arrived_bytes),
+      chunks_(source_, kept_),
       gaps_(header.grid.dimensions),
-      cache_(layout_, levels_),
+      remainders_(header.grid.dimensions, source_, kept_),
+      cache_(layout_, levels_, header.grid),
       decoder_(make_values_decoder(header, limits.base_vectors)) {
   GeometryBase base{header.description, header.color};
   base_volume_ = shown_ = std::make_shared<const Volume>(std::move(base));
+  // The coarse level gets only its own chunks, so that what the header states about prefixes does not hold.
+  decoder_->leave_order();
   base_.limits = values::sample_limits(header.description.value_range, header.grid.unit, header.grid.zero);
 }
 
@@ -80,15 +85,17 @@ bool BrickDecoder::is_fine(std::uint64_t block) const {
 }
 
 void BrickDecoder::take(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
-  if (type == ChunkType::gaps && header_.grid.gaps) {
-    if (!base_taken_.insert(offset).second) return;
-    if (auto run = values::parse_run(payload)) (void)gaps_.add(std::move(*run));
-  }
-  if (type != ChunkType::values) return;
+  if (type == ChunkType::values) take_cluster(payload, offset);
+  if ((type == ChunkType::gaps && header_.grid.gaps) || (type == ChunkType::remainders && has_remainders()))
+    take_run(type, payload, offset);
+}
+
+void BrickDecoder::take_cluster(std::span<const std::byte> payload, std::uint64_t offset) {
   const auto cluster = values::parse_cluster(payload);
   if (!cluster) return;
   if (is_base(cluster->block) && base_taken_.insert(offset).second) {
-    decoder_->add(type, payload, {});
+    base_known_.insert(offset);
+    if (decoder_) decoder_->add(ChunkType::values, payload, {});
     ++base_chunks_;
   }
   if (!is_fine(cluster->block)) return;
@@ -97,17 +104,46 @@ void BrickDecoder::take(ChunkType type, std::span<const std::byte> payload, std:
   if (known && !source_) chunks_.keep(cluster->block, offset, payload);
 }
 
+void BrickDecoder::take_run(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
+  auto run = values::parse_run(payload);
+  if (!run) return;
+  if (type == ChunkType::remainders) {
+    const auto bytes = static_cast<std::uint32_t>(kChunkHeaderBytes + payload.size());
+    const bool known = remainders_.note({run->first, offset, bytes, run->count});
+    if (known && !source_) kept_.keep(offset, values::RemainderRuns::owner(run->first), payload);
+  } else if (!base_taken_.contains(offset) && gaps_.add(std::move(*run))) {
+    base_known_.insert(offset);
+    base_taken_.insert(offset);
+  }
+}
+
 void BrickDecoder::take_place(const values::ChunkPlace& place) {
-  if (place.type == ChunkType::gaps || (place.type == ChunkType::values && is_base(place.first)))
+  if (place.type == ChunkType::gaps || (place.type == ChunkType::values && is_base(place.first))) {
     base_places_.push_back({place.offset, place.bytes});
+    base_known_.insert(place.offset);
+  }
   if (place.type == ChunkType::values && is_fine(place.first))
     (void)chunks_.note(place.first, {place.offset, place.bytes, place.count});
+  if (place.type == ChunkType::remainders && has_remainders())
+    (void)remainders_.note({place.first, place.offset, place.bytes, place.count});
+}
+
+// Reports whether all chunks of the stream are known, and those of the coarse level and all gaps are received.
+bool BrickDecoder::has_final_base() const {
+  if (!decoder_) return base_.final;
+  const std::vector<ValueError>& errors = header_.grid.errors;
+  const DecodeCount count = decoder_->count();
+  // If the coarse level is the coarsest one, its only block is also that of a brick.
+  const std::size_t twice = is_fine(0) ? chunks_.known(0) : 0;
+  return !errors.empty() && base_known_.size() + chunks_.count() - twice + remainders_.count() >= errors.back().chunks &&
+         base_taken_.size() == base_known_.size() && count.refused == 0 && !count.full;
 }
 
 bool BrickDecoder::set_directory(std::span<const std::byte> chunks) {
   const auto places = values::places_of(chunks, header_);
   if (!places) return false;
   for (const values::ChunkPlace& place : *places) take_place(place);
+  has_places_ = true;
   return true;
 }
 
@@ -139,6 +175,7 @@ bool BrickDecoder::scan_source(const std::function<bool()>& stop) {
     at += size;
   }
   finish();
+  has_places_ = true;
   return true;
 }
 
@@ -161,48 +198,124 @@ bool BrickDecoder::read_source(const std::function<bool()>& stop) {
 
 // Decodes the coarse level again if chunks of it arrived. Returns true if it changed.
 bool BrickDecoder::decode_base() {
-  if (base_chunks_ == shown_chunks_) return false;
+  if (!decoder_ || base_chunks_ == shown_chunks_) return false;
   shown_chunks_ = base_chunks_;
   Geometry geometry = decoder_->geometry(GeometryBase{header_.description, header_.color});
   auto* const volume = geometry.as<Volume>();
   if (!volume || !volume->values) return false;
-  base_volume_ = std::make_shared<const Volume>(std::move(*volume));
-  whole_base_ = base_volume_->values->level == layout_.base() && layout_.base() > 0;
-  if (!whole_base_) return true;
-  const VolumeSource& source = base_volume_->values->source;
+  whole_base_ = volume->values->level == layout_.base() && layout_.base() > 0;
+  if (!whole_base_) {
+    base_volume_ = std::make_shared<const Volume>(std::move(*volume));
+    return true;
+  }
   const values::Extent extent = layout_.extent(layout_.base());
   const std::size_t slice = std::size_t{extent[0]} * extent[1];
-  std::vector<std::int32_t> samples(slice * extent[2]);
+  auto samples = std::make_shared<values::BrickSamples>();
+  samples->level = layout_.base();
+  samples->box = {{}, extent};
+  samples->samples.resize(slice * extent[2]);
+  auto values = std::make_shared<VolumeValues>(*volume->values);
   for (std::uint32_t z = 0; z < extent[2]; ++z)
-    if (!source.read(z, std::as_writable_bytes(std::span(samples).subspan(z * slice, slice)))) whole_base_ = false;
-  base_.samples = {layout_.base(), {{}, extent}, std::move(samples)};
+    if (!values->source.read(z, std::as_writable_bytes(std::span(samples->samples).subspan(z * slice, slice))))
+      whole_base_ = false;
+  // The values and the bricks share the samples, so that the decoder can end.
+  values->source.read = [samples, slice](std::uint32_t z, std::span<std::byte> to) {
+    if (z >= samples->box.size[2] || to.size() != slice * sizeof(std::int32_t)) return false;
+    std::memcpy(to.data(), samples->samples.data() + z * slice, to.size());
+    return true;
+  };
+  volume->values = std::move(values);
+  base_volume_ = std::make_shared<const Volume>(std::move(*volume));
+  base_.samples = std::move(samples);
   base_.shares = values::VectorShares(*base_volume_, levels_.back(), layout_.base());
   ++base_.version;
   return true;
 }
 
+// Chooses the bricks that views need, and the blocks and runs that these need.
+void BrickDecoder::choose(std::span<const LodView> views) {
+  needs_ = {};
+  runs_.clear();
+  if (!whole_base_) return;
+  // While the coarse level arrives, bricks would be made again for each part of it, beside the memory of its decoder.
+  constexpr std::size_t kParts = 20;
+  if (!source_ && has_places_ && kParts * base_taken_.size() < (kParts - 1) * base_known_.size()) return;
+  needs_.chosen = values::choose_bricks({layout_, levels_, base_.shares, views, limits_.brick_bytes});
+  const auto need = [this](std::uint64_t block) { needs_.blocks.insert(block); };
+  for (const values::BrickName& name : needs_.chosen) {
+    layout_.visit_blocks(name, false, need);
+    if (name.level > 0) continue;
+    const Box box = values::brick_box(layout_, name, levels_.front());
+    const float voxel = values::largest_step(levels_.front());
+    bool all = false, slice = false;
+    for (const LodView& view : views) {
+      const VolumeNeeds& needs = view.volume;
+      if (outside(box, view)) continue;
+      all = all || (needs.exact && !needs.only_slices);
+      slice = slice || values::touches_slice(box, voxel, needs);
+    }
+    if (!all && !slice) continue;
+    needs_.exact.insert(name);
+    layout_.visit_sources(name, need);
+    need_runs(layout_.extended(name), views, all);
+  }
+}
+
+// Notes the runs of a brick: all of them, or those of the rows of cubes that slices touch.
+void BrickDecoder::need_runs(const values::SampleBox& brick, std::span<const LodView> views, bool all) {
+  if (!has_remainders()) return;
+  const auto need = [this](const values::RunPlace& run) { runs_.try_emplace(run.first, run); };
+  if (all) return remainders_.visit(brick, need);
+  const float voxel = values::largest_step(levels_.front());
+  for (std::uint32_t z = 0; z < brick.size[2]; z += values::kCubeEdge)
+    for (std::uint32_t y = 0; y < brick.size[1]; y += values::kCubeEdge) {
+      values::SampleBox row = brick;
+      row.first[1] += y;
+      row.first[2] += z;
+      row.size[1] = std::min(values::kCubeEdge, brick.size[1] - y);
+      row.size[2] = std::min(values::kCubeEdge, brick.size[2] - z);
+      const Box box = values::samples_box(row, levels_.front());
+      if (std::ranges::any_of(
+              views, [&](const LodView& view) { return values::touches_slice(box, voxel, view.volume); }))
+        remainders_.visit(row, need);
+    }
+}
+
 std::shared_ptr<const Volume> BrickDecoder::decode(std::span<const LodView> views, const std::atomic<bool>& stop) {
   const bool changed = decode_base();
-  chosen_.clear();
-  if (whole_base_) chosen_ = values::choose_bricks({layout_, levels_, base_.shares, views, limits_.brick_bytes});
-  if (!cache_.update(chosen_, base_, chunks_, gaps_, limits_.brick_bytes, stop)) return shown_;
-  if (!source_) chunks_.trim([this](std::uint64_t block) { return cache_.uses(block); });
-  if (changed || cache_.computed() > 0 || chosen_ != merged_) merge();
+  base_.final = has_final_base();
+  // No further chunk changes a complete coarse level, so the memory of its decoder is free.
+  if (whole_base_ && has_places_ && base_taken_.size() == base_known_.size()) decoder_.reset();
+  choose(views);
+  // Former bricks and vectors make room for new ones, unless a renderer still has them.
+  const bool finished = cache_.update(needs_, {base_, chunks_, gaps_, remainders_}, limits_.brick_bytes, stop,
+                                      [this] { shown_ = base_volume_; });
+  if (!finished) return shown_;
+  if (!source_) {
+    constexpr std::uint64_t kRun = values::RemainderRuns::owner(0);
+    kept_.trim([this](std::uint64_t owner) {
+      return (owner & kRun) != 0 ? runs_.contains(owner ^ kRun) : needs_.blocks.contains(owner);
+    });
+  }
+  const bool with_values = std::ranges::any_of(views, [](const LodView& view) { return view.volume.values; });
+  if (changed || cache_.computed() > 0 || needs_.chosen != merged_ || with_values != merged_values_) merge(with_values);
   return shown_;
 }
 
-void BrickDecoder::merge() {
-  merged_ = chosen_;
-  if (chosen_.empty()) {
+// Makes the volume to draw. Without `with_values`, replaced bricks need not stay as long as the volume is drawn.
+void BrickDecoder::merge(bool with_values) {
+  merged_values_ = with_values;
+  merged_ = needs_.chosen;
+  if (merged_.empty()) {
     shown_ = base_volume_;
     return;
   }
-  auto merged = std::make_shared<Volume>(values::merge_bricks(*base_volume_, layout_, levels_, chosen_, cache_));
+  auto merged = std::make_shared<Volume>(values::merge_bricks(*base_volume_, layout_, levels_, merged_, cache_));
   auto values = std::make_shared<VolumeValues>(*base_volume_->values);
-  for (const values::BrickName& name : chosen_)
+  for (const values::BrickName& name : with_values ? merged_ : std::vector<values::BrickName>())
     if (const values::Brick* const brick = cache_.find(name); brick && brick->samples)
-      values->bricks.push_back(
-          value_brick(*brick, layout_, levels_[static_cast<std::size_t>(name.level)], gaps_.count() > 0));
+      values->bricks.push_back(value_brick(*brick, layout_, levels_[static_cast<std::size_t>(name.level)], header_.grid,
+                                           gaps_.count() > 0));
   std::ranges::stable_sort(values->bricks, {}, &ValueBrick::level);
   values->bytes += cache_.bytes();
   merged->values = std::move(values);
@@ -214,13 +327,11 @@ std::vector<ChunkRange> BrickDecoder::wanted() const {
   if (source_) return ranges;
   for (const ChunkRange& place : base_places_)
     if (!base_taken_.contains(place.offset)) ranges.push_back(place);
-  std::unordered_set<std::uint64_t> blocks;
-  for (const values::BrickName& name : chosen_)
-    layout_.visit_blocks(name, false, [&](std::uint64_t block) {
-      if (!blocks.insert(block).second) return;
-      for (const values::ClusterPlace& place : chunks_.of(block))
-        if (!chunks_.has(place)) ranges.push_back({place.offset, place.bytes, chunks_.was_dropped(place)});
-    });
+  for (const std::uint64_t block : needs_.blocks)
+    for (const values::ClusterPlace& place : chunks_.of(block))
+      if (!chunks_.has(place)) ranges.push_back({place.offset, place.bytes, kept_.was_dropped(place.offset)});
+  for (const auto& [first, run] : runs_)
+    if (!remainders_.has(run)) ranges.push_back({run.offset, run.bytes, kept_.was_dropped(run.offset)});
   std::ranges::sort(ranges, {}, &ChunkRange::offset);
   return ranges;
 }
@@ -231,7 +342,7 @@ BrickStatistics BrickDecoder::statistics() const {
   counts.shown = merged_.size();
   counts.computed = cache_.computed();
   counts.bytes = cache_.bytes();
-  counts.arrived = chunks_.bytes();
+  counts.arrived = kept_.bytes();
   counts.clusters = chunks_.count();
   counts.base = counts.finest = layout_.base();
   for (const values::BrickName& name : merged_) counts.finest = std::min(counts.finest, name.level);

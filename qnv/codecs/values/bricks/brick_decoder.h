@@ -7,14 +7,17 @@
 #include "qnv/codecs/shared/decoder.h"
 #include "qnv/codecs/values/bricks/brick_cache.h"
 #include "qnv/codecs/values/bricks/brick_choice.h"
-#include "qnv/codecs/values/bricks/cluster_chunks.h"
-#include "qnv/codecs/values/bricks/gap_runs.h"
+#include "qnv/codecs/values/bricks/received/cluster_chunks.h"
+#include "qnv/codecs/values/bricks/received/gap_runs.h"
+#include "qnv/codecs/values/bricks/received/kept_payloads.h"
+#include "qnv/codecs/values/bricks/received/remainder_runs.h"
 #include "qnv/codecs/values/chunk_places.h"
 
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -73,8 +76,14 @@ class BrickDecoder : NonCopyable {
   void take(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset);
   void take_place(const values::ChunkPlace& place);
   bool scan_source(const std::function<bool()>& stop);
+  void take_cluster(std::span<const std::byte> payload, std::uint64_t offset);
+  void take_run(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset);
   bool decode_base();
-  void merge();
+  void choose(std::span<const LodView> views);
+  void need_runs(const values::SampleBox& brick, std::span<const LodView> views, bool all);
+  [[nodiscard]] bool has_final_base() const;
+  [[nodiscard]] bool has_remainders() const { return header_.grid.exact || header_.grid.correction != 0; }
+  void merge(bool with_values);
   [[nodiscard]] bool is_base(std::uint64_t block) const;
   [[nodiscard]] bool is_fine(std::uint64_t block) const;
 
@@ -83,18 +92,24 @@ class BrickDecoder : NonCopyable {
   const std::shared_ptr<const ChunkSource> source_;
   values::BrickLayout layout_;
   std::vector<VolumeLayout> levels_;  // layouts of the levels 0 to layout_.base()
+  values::KeptPayloads kept_;  // received chunks of bricks
   values::ClusterChunks chunks_;
   values::GapRuns gaps_;
+  values::RemainderRuns remainders_;
   values::BrickCache cache_;
   StreamReader reader_;
-  std::unique_ptr<Decoder> decoder_;  // of the coarse level
+  std::unique_ptr<Decoder> decoder_;  // of the coarse level; null when that is complete
   std::vector<ChunkRange> base_places_;
-  std::unordered_set<std::uint64_t> base_taken_;    // offsets
+  std::unordered_set<std::uint64_t> base_known_, base_taken_;  // offsets
   std::size_t base_chunks_ = 0, shown_chunks_ = 0;  // that changed the coarse level so far, and of base_volume_
   std::shared_ptr<const Volume> base_volume_, shown_;
   values::BrickBase base_;
-  std::vector<values::BrickName> chosen_, merged_;  // bricks that views need, and bricks of shown_
+  values::BrickNeeds needs_;                        // of the views
+  std::map<std::uint64_t, values::RunPlace> runs_;  // runs of the exact bricks, by their first cube
+  std::vector<values::BrickName> merged_;           // bricks of shown_
+  bool merged_values_ = false;                      // shown_ has the values of its bricks
   bool whole_base_ = false;                         // the coarse level has the samples that bricks need
+  bool has_places_ = false;                         // the places of all chunks that may come are known
 };
 
 }  // namespace gs::qnv

@@ -62,4 +62,27 @@ void BrickLayout::visit_blocks(const BrickName& name, bool around,
       for (std::uint32_t x = low[0]; x < high[0]; ++x) visit(blocks_.number(name.level + 1, {x, y, z}));
 }
 
+void BrickLayout::visit_sources(const BrickName& name, const std::function<void(std::uint64_t)>& visit) const {
+  constexpr std::uint32_t kBlockSamples = 2 * kBlockEdge;
+  const SampleBox box = extended(name);
+  Extent first = box.first, last{};
+  for (std::size_t a = 0; a < 3; ++a) last[a] = box.first[a] + box.size[a] - 1;
+  for (int level = name.level; level < base_; ++level) {
+    const Extent count = blocks_.blocks_of(level + 1);
+    Extent low{}, high{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      first[a] -= std::min(first[a], kBrickMargin);
+      last[a] = std::min(last[a] + kBrickMargin, extent(level)[a] - 1);
+      low[a] = first[a] / kBlockSamples;
+      high[a] = std::min(last[a] / kBlockSamples, count[a] - 1);
+      if (extent(level)[a] <= 1) continue;
+      first[a] /= 2;
+      last[a] = std::min((last[a] + 1) / 2, extent(level + 1)[a] - 1);
+    }
+    for (std::uint32_t z = low[2]; z <= high[2]; ++z)
+      for (std::uint32_t y = low[1]; y <= high[1]; ++y)
+        for (std::uint32_t x = low[0]; x <= high[0]; ++x) visit(blocks_.number(level + 1, {x, y, z}));
+  }
+}
+
 }  // namespace gs::qnv::values

@@ -18,7 +18,9 @@ constexpr std::uint64_t kMostWaiting = std::uint64_t{16} << 20;  // received byt
 }  // namespace
 
 BrickVolume::BrickVolume(StreamHeader header, const BrickLimits& limits, std::shared_ptr<const ChunkSource> source)
-    : header_(std::move(header)), decoder_(header_, limits, std::move(source)) {}
+    : header_(std::move(header)), decoder_(header_, limits, std::move(source)) {
+  return_large_pieces();
+}
 
 BrickVolume::~BrickVolume() {
   stop_ = true;
@@ -27,7 +29,7 @@ BrickVolume::~BrickVolume() {
 
 bool BrickVolume::suits(const StreamHeader& header, std::size_t most_vectors) {
   return header.payload == Payload::values && !header.grid.labels && header.grid.components == 1 &&
-         values::valid(header.grid.dimensions) &&
+         header.steps.times.empty() && values::valid(header.grid.dimensions) &&
          BrickDecoder::base_level(header.grid, most_vectors) > 0;
 }
 
@@ -195,7 +197,11 @@ std::shared_ptr<const Volume> BrickVolume::cut(const LodView& view, bool& pendin
   }
   const bool waits = view.most_decoded == 0;
   if (waits) await(lock);
-  if (!working_ && is_due()) run(lock, !waits);
+  if (!working_ && (is_due() || (waits && inbox_.bytes > 0))) {
+    // Nobody draws the former volume while this thread waits for the next one.
+    if (waits) shown_.reset();
+    run(lock, !waits);
+  }
   pending = pending || working_ || is_due() || inbox_.bytes > 0;
   return shown_;
 }

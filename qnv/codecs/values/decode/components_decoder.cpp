@@ -1,15 +1,10 @@
 #include "qnv/codecs/values/block_places.h"
 #include "qnv/codecs/values/component_number.h"
-#include "qnv/codecs/values/cube_runs.h"
+#include "qnv/codecs/values/decode/components_geometry.h"
 #include "qnv/codecs/values/decode/values_part.h"
-#include "qnv/codecs/values/values_vectors.h"
-#include "qnv/sampling/volume/component_values.h"
-#include "qnv/sampling/volume/gradients.h"
 
 #include <algorithm>
-#include <optional>
 #include <utility>
-#include <variant>
 #include <vector>
 
 namespace gs::qnv {
@@ -19,17 +14,11 @@ namespace {
 class ComponentsDecoder final : public Decoder {
  public:
   ComponentsDecoder(const StreamHeader& header, std::size_t most_vectors)
-      : most_vectors_(std::max<std::size_t>(1, most_vectors / header.grid.components)) {
-    const values::Extent extent = header.grid.dimensions, cubes = values::cube_extent(extent);
-    counts_ = {values::BlockLayout(extent, values::level_count(extent)).count(),
-               std::uint64_t{cubes[0]} * cubes[1] * cubes[2]};
-    for (std::size_t c = 0; c < header.grid.components; ++c) {
-      StreamHeader one = header;
-      if (c > 0) one.grid = header.more_grids[c - 1];
-      one.grid.components = 1;
-      one.more_grids.clear();
-      parts_.push_back(values::make_values_part(one, most_vectors_));
-    }
+      : counts_(values::component_counts(header.grid)),
+        shown_geometry_(header.grid, std::max<std::size_t>(1, most_vectors / header.grid.components)) {
+    for (std::size_t c = 0; c < header.grid.components; ++c)
+      parts_.push_back(values::make_values_part(values::header_of_component(header, c),
+                                                std::max<std::size_t>(1, most_vectors / header.grid.components)));
   }
 
   void add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing) override {
@@ -38,7 +27,7 @@ class ComponentsDecoder final : public Decoder {
       ++refused_;
     else
       parts_[split->component]->add(type, split->payload, missing);
-    length_.reset();
+    shown_geometry_.change();
   }
   [[nodiscard]] DecodeCount count() const override {
     DecodeCount all;
@@ -52,53 +41,16 @@ class ComponentsDecoder final : public Decoder {
     return most;
   }
   [[nodiscard]] Geometry geometry(GeometryBase base) const override {
-    int level = 0;
-    for (const auto& part : parts_) level = std::max(level, part->level());
-    std::vector<std::shared_ptr<const VolumeValues>> all;
-    for (const auto& part : parts_) all.push_back(part->values(base.description, level));
-    if (shown_.magnitude) return magnitude(std::move(base), std::move(all));
-    const std::size_t index = std::min<std::size_t>(shown_.index, parts_.size() - 1);
-    // A part shows vectors of its own level.
-    Geometry geometry = parts_[index]->level() == level ? parts_[index]->geometry(base) : vectors_of(base, *all[index]);
-    auto& volume = *geometry.as<Volume>();
-    auto values = std::make_shared<VolumeValues>(*all[index]);
-    values->components = std::move(all);
-    volume.values = std::move(values);
-    return geometry;
+    return shown_geometry_.geometry(std::move(base), parts_, shown_);
   }
   void show(const ShownComponent& component) override { shown_ = component; }
 
  private:
-  [[nodiscard]] Geometry vectors_of(GeometryBase base, const VolumeValues& values) const {
-    GradientOptions options;
-    options.fraction = kShownFraction;
-    options.vectors = std::min<std::uint64_t>(most_vectors_, options.vectors);
-    options.range = values.range;
-    auto found = gradient_vectors(values.source, options);
-    Volume volume((GeometryBase()));
-    if (auto* const made = std::get_if<Volume>(&found)) volume = std::move(*made);
-    base.description.spacing = volume.description.spacing;
-    base.description.total = volume.description.total;
-    static_cast<GeometryBase&>(volume) = std::move(base);
-    return volume;
-  }
-  [[nodiscard]] Geometry magnitude(GeometryBase base, std::vector<std::shared_ptr<const VolumeValues>> all) const {
-    if (!length_) length_ = magnitude_of(all);
-    base.description.value_range = (*length_)->range;
-    base.description.transfer = default_transfer((*length_)->range.first, (*length_)->range.second);
-    Geometry geometry = vectors_of(std::move(base), **length_);
-    auto values = std::make_shared<VolumeValues>(**length_);
-    values->components = std::move(all);
-    geometry.as<Volume>()->values = std::move(values);
-    return geometry;
-  }
-
-  const std::size_t most_vectors_;  // of one component
   values::ComponentCounts counts_;
   std::vector<std::unique_ptr<values::ValuesPart>> parts_;
   ShownComponent shown_;
-  std::size_t refused_ = 0;                                            // chunks of no component
-  mutable std::optional<std::shared_ptr<const VolumeValues>> length_;  // null after a change
+  std::size_t refused_ = 0;  // chunks of no component
+  mutable values::ComponentsGeometry shown_geometry_;
 };
 
 }  // namespace

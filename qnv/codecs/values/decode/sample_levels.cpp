@@ -47,20 +47,20 @@ void SampleLevels::note(const Block& block, std::size_t first, std::size_t steps
   });
 }
 
-void SampleLevels::update_top(const Block* block) {
+void SampleLevels::update_top(const BlockChain& blocks) {
   Level& top = all_.back();
   const std::vector<SampleBox> boxes = top.old.take(top.samples.extent());
   if (boxes.empty()) return;
   const Extent part = top.samples.extent();
   std::vector<std::int32_t> dense(sample_count(part), 0);
-  if (block) block->write_low(dense, part);
+  for (const Block* const block : blocks) block->write_low(dense, part);
   top.samples.open(boxes);
   for (std::uint32_t z = 0; z < part[2]; ++z)
     for (std::uint32_t y = 0; y < part[1]; ++y)
       top.samples.write(0, y, z, part[0], dense.data() + (std::size_t{z} * part[1] + y) * part[0], top.changed);
 }
 
-void SampleLevels::update(int level, const BlockLayout& layout, const FindBlock& find) {
+void SampleLevels::update(int level, const BlockLayout& layout, const FindBlocks& find) {
   begin(levels_);
   update_top(find(0));
   for (int to = levels_ - 1; to >= level; --to) {
@@ -97,7 +97,7 @@ std::vector<SampleBox> SampleLevels::take(int level) {
   return boxes;
 }
 
-void SampleLevels::lift_box(int level, const SampleBox& box, const BlockLayout& layout, const FindBlock& find) {
+void SampleLevels::lift_box(int level, const SampleBox& box, const BlockLayout& layout, const FindBlocks& find) {
   Level& own = level_of(level);
   thread_local std::vector<std::int32_t> samples;
   const SplitWindow window = window_around(box, own.samples.extent(), samples);
@@ -111,7 +111,7 @@ void SampleLevels::lift_box(int level, const SampleBox& box, const BlockLayout& 
   for (std::uint32_t z = block_first[2]; z <= block_last[2]; ++z)
     for (std::uint32_t y = block_first[1]; y <= block_last[1]; ++y)
       for (std::uint32_t x = block_first[0]; x <= block_last[0]; ++x)
-        if (const Block* const block = find(layout.number(level + 1, {x, y, z}))) block->write_split(window);
+        for (const Block* const block : find(layout.number(level + 1, {x, y, z}))) block->write_split(window);
   unlift_window(window, box, [&](std::uint32_t y, std::uint32_t z, const std::int32_t* row) {
     own.samples.write(box.first[0], y, z, box.size[0], row, own.changed);
   });

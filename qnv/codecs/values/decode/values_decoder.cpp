@@ -59,8 +59,33 @@ ValuesDecoder::ValuesDecoder(Extent extent, int finest, std::size_t most_blocks)
   begun_.assign(static_cast<std::size_t>(std::max(levels_, 1)) + 1, 0);
 }
 
+ValuesDecoder::~ValuesDecoder() {
+  if (before_) before_->after_ = nullptr;
+}
+
+void ValuesDecoder::refer(ValuesDecoder& before) {
+  before_ = &before;
+  before.after_ = this;
+}
+
+BlockChain ValuesDecoder::blocks_of(std::uint64_t number) const {
+  const auto found = states_.find(static_cast<std::uint32_t>(number));
+  const Block* const own = found != states_.end() ? found->second.block.get() : nullptr;
+  BlockChain chain;
+  // A block that was not received is that of the step before.
+  if (before_ && (!own || found->second.differs)) chain = before_->blocks_of(number);
+  if (own) chain.push(own);
+  return chain;
+}
+
+// Notes changed coefficients for this step and those after it.
+void ValuesDecoder::note(const Block& block, std::size_t first, std::size_t steps) {
+  for (ValuesDecoder* step = this; step; step = step->after_) step->restored_.note(block, first, steps);
+}
+
 void ValuesDecoder::take(State& state, const Cluster& cluster, const BlockPlace& place) {
   if (state.next == 0) ++begun_[static_cast<std::size_t>(place.level)];
+  if (cluster.index == 0) state.differs = cluster.differs;
   if (state.ready.empty()) ready_.push_back(cluster.block);
   state.ready.push_back(cluster);
   bytes_ += cluster.bytes.size();
@@ -69,13 +94,20 @@ void ValuesDecoder::take(State& state, const Cluster& cluster, const BlockPlace&
 }
 
 void ValuesDecoder::decode_ready() {
+  if (before_) before_->decode_ready();
   struct Decoded {
     const Block* block = nullptr;
     std::size_t first = 0, steps = 0;
   };
   std::vector<Decoded> decoded(ready_.size());
   std::vector<State*> states;
-  for (const std::uint32_t number : ready_) states.push_back(&states_[number]);
+  for (const std::uint32_t number : ready_) {
+    State& state = states_[number];
+    states.push_back(&state);
+    // A block that replaces that of the step before changes all coefficients.
+    if (before_ && !state.block && !state.differs)
+      for (const Block* const replaced : before_->blocks_of(number)) note(*replaced, 0, replaced->cubes());
+  }
   parallel_for(
       ready_.size(),
       [&](std::size_t i) {
@@ -87,13 +119,14 @@ void ValuesDecoder::decode_ready() {
         state.ready = {};
       },
       ready_bytes_ < kThreadBytes ? 1 : 0);
-  for (const Decoded& one : decoded) restored_.note(*one.block, one.first, one.steps);
+  for (const Decoded& one : decoded) note(*one.block, one.first, one.steps);
   ready_.clear();
   ready_bytes_ = 0;
 }
 
 Added ValuesDecoder::add(const Cluster& cluster) {
-  if (cluster.block >= layout_.count() || cluster.plane > kHighestPlane) return Added::refused;
+  if (cluster.block >= layout_.count() || cluster.plane > kHighestPlane || (cluster.differs && !before_))
+    return Added::refused;
   const BlockPlace place = layout_.place(cluster.block);
   if (place.band_count == 0) return Added::refused;
   // The coarsest level has the low band, too.
@@ -118,6 +151,11 @@ Added ValuesDecoder::add(const Cluster& cluster) {
 }
 
 int ValuesDecoder::level() const {
+  if (before_) return std::min(own_level(), before_->level());
+  return own_level();
+}
+
+int ValuesDecoder::own_level() const {
   const std::uint64_t quick =
       std::max(kQuickSamples, (bytes_ < kFirstBytes ? kSamplesPerFirstByte : kSamplesPerByte) * bytes_);
   for (int level = finest_; level < levels_; ++level) {
@@ -136,14 +174,14 @@ std::vector<std::int32_t> ValuesDecoder::samples(int level) {
   // The bands of a level lie at the strides of the whole volume; coarser levels need only their own part of it.
   const Extent part = low_extent(extent_, level);
   std::vector<std::int32_t> volume(sample_count(part), 0);
-  for (const auto& [number, state] : states_) {
-    if (!state.block) continue;
-    const int of = state.block->level();
-    if (of > level)
-      state.block->write(volume, part);
-    else if (of == levels_)
-      state.block->write_low(volume, part);  // the coarsest level has the low band, too
-  }
+  for (std::uint64_t number = 0; number < layout_.count(); ++number)
+    for (const Block* const block : blocks_of(number)) {
+      const int of = block->level();
+      if (of > level)
+        block->write(volume, part);
+      else if (of == levels_)
+        block->write_low(volume, part);  // the coarsest level has the low band, too
+    }
   restore(volume, part, levels_ - level);
   return volume;
 }
@@ -151,10 +189,7 @@ std::vector<std::int32_t> ValuesDecoder::samples(int level) {
 SampleBricks ValuesDecoder::bricks(int level, std::vector<SampleBox>& changed) {
   decode_ready();
   level = std::clamp(level, 0, levels_);
-  restored_.update(level, layout_, [this](std::uint64_t number) -> const Block* {
-    const auto found = states_.find(static_cast<std::uint32_t>(number));
-    return found != states_.end() ? found->second.block.get() : nullptr;
-  });
+  restored_.update(level, layout_, [this](std::uint64_t number) { return blocks_of(number); });
   changed = restored_.take(level);
   return restored_.copy(level);
 }

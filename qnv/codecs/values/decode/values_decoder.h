@@ -31,6 +31,17 @@ class ValuesDecoder {
   /// blocks. `extent` must be valid.
   explicit ValuesDecoder(Extent extent, int finest = 0, std::size_t most_blocks = std::size_t{1} << 22);
 
+  ~ValuesDecoder();
+  ValuesDecoder(const ValuesDecoder&) = delete;
+  ValuesDecoder& operator=(const ValuesDecoder&) = delete;
+
+  /// Makes this the step of a time series after `before`: its blocks replace those of that step, or are added to them.
+  /// Call it before add(). `before` must outlive this decoder, and be used by the same thread.
+  void refer(ValuesDecoder& before);
+  [[nodiscard]] bool refers() const { return before_ != nullptr; }
+  /// Drops the samples. Functions that need them compute them again.
+  void rest() { restored_ = SampleLevels(extent_, levels_); }
+
   Added add(const Cluster& cluster);
   /// Decodes the coefficients of all added clusters, several blocks at once. Functions that need them call it.
   void decode_ready();
@@ -46,11 +57,15 @@ class ValuesDecoder {
  private:
   struct State {
     std::unique_ptr<Block> block;
+    bool differs = false;        // the block is added to that of the step before
     std::uint32_t next = 0;      // index of the next cluster
     std::vector<Cluster> ready;  // clusters before it that are not decoded yet
     std::map<std::uint32_t, Cluster> waiting;
   };
   void take(State& state, const Cluster& cluster, const BlockPlace& place);
+  [[nodiscard]] int own_level() const;
+  [[nodiscard]] BlockChain blocks_of(std::uint64_t number) const;
+  void note(const Block& block, std::size_t first, std::size_t steps);
 
   Extent extent_;
   int levels_, finest_;
@@ -63,6 +78,7 @@ class ValuesDecoder {
   std::vector<std::uint32_t> ready_;  // blocks with clusters that are not decoded yet
   std::size_t ready_bytes_ = 0;       // memory of these clusters
   SampleLevels restored_;
+  ValuesDecoder *before_ = nullptr, *after_ = nullptr;  // steps of a time series
 };
 
 /// Returns the factor by which samples of a level exceed those of the volume.

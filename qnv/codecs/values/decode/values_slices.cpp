@@ -2,13 +2,14 @@
 
 #include "base/parallel.h"
 #include "qnv/codecs/values/cluster.h"
-#include "qnv/codecs/values/component_number.h"
 #include "qnv/codecs/values/cube_runs.h"
+#include "qnv/codecs/values/decode/chunk_index.h"
 #include "qnv/codecs/values/decode/sample_limits.h"
 #include "qnv/codecs/values/decode/values_decoder.h"
 #include "qnv/codecs/values/labels/decode/label_volume.h"
 #include "qnv/codecs/values/slices/slice_transform.h"
 #include "qnv/codecs/values/stored_code.h"
+#include "qnv/sampling/volume/color_voxels.h"
 
 #include <algorithm>
 #include <atomic>
@@ -17,42 +18,30 @@
 #include <limits>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
 namespace gs::qnv {
 namespace {
 
+using values::BlockClusters;
+using values::ChunkIndex;
+using values::FoundCluster;
+using values::ComponentIndexer;
 using values::Extent;
+using values::FoundRun;
 
 constexpr std::int32_t kMissingNumber = std::numeric_limits<std::int32_t>::min();
 constexpr std::uint32_t kSlicesAtOnce = 8;  // slices that are decoded at once; a multiple of kCubeEdge
 
-/// Place of a cluster's payload in the stream.
-struct ClusterPlace {
-  std::uint64_t offset = 0;
-  std::uint32_t block = 0, index = 0, bytes = 0;
-};
-/// Place of the payload of a run of cubes.
-struct RunPlace {
-  std::uint64_t offset = 0, first = 0;
-  std::uint32_t bytes = 0;
-};
-
-/// Chunks of a stream, found in one pass.
-struct ChunkIndex {
-  std::vector<ClusterPlace> clusters;      // by block and index
-  std::vector<RunPlace> gaps, remainders;  // by the first cube
-  std::uint32_t received = 0;              // number of different chunks
-  bool in_order = true;                    // none was lost or refused
-};
+/// Steps of a time series of which the last one is decoded, or one volume.
+using ClusterChain = std::vector<std::shared_ptr<const BlockClusters>>;
 
 /// Runs of one kind, decoded layer by layer.
 template <class Number>
 class RunLayers {
  public:
-  RunLayers(const StreamBytes& bytes, const std::vector<RunPlace>& places, Extent extent)
+  RunLayers(const StreamBytes& bytes, const std::vector<FoundRun>& places, Extent extent)
       : bytes_(bytes), places_(places), extent_(extent) {}
 
   /// Decodes the next layer into numbers that are 0.
@@ -75,7 +64,7 @@ class RunLayers {
 
  private:
   const StreamBytes& bytes_;
-  const std::vector<RunPlace>& places_;
+  const std::vector<FoundRun>& places_;
   Extent extent_;
   std::size_t at_ = 0;  // next run to open
   std::uint64_t layer_ = 0;
@@ -85,18 +74,13 @@ class RunLayers {
 /// Decoder of the slices of a stream, in order.
 class SliceReader {
  public:
-  SliceReader(StreamBytes bytes, ValueGrid grid, ChunkIndex index)
-      : bytes_(std::move(bytes)), grid_(std::move(grid)), index_(std::move(index)), codes_(grid_) {
-    const values::BlockLayout layout(grid_.dimensions, values::level_count(grid_.dimensions));
-    first_.resize(layout.count() + 1);
-    std::size_t at = 0;
-    for (std::size_t block = 0; block < first_.size(); ++block) {
-      first_[block] = at;
-      while (at < index_.clusters.size() && index_.clusters[at].block == block) ++at;
-    }
-  }
+  SliceReader(StreamBytes bytes, ValueGrid grid, ClusterChain chain, ChunkIndex index)
+      : bytes_(std::move(bytes)),
+        grid_(std::move(grid)),
+        chain_(std::move(chain)),
+        index_(std::move(index)),
+        codes_(grid_) {}
 
-  [[nodiscard]] const ChunkIndex& index() const { return index_; }
   void apply(bool exact, bool corrected, const values::SampleLimits& limits) {
     exact_ = exact;
     corrected_ = corrected;
@@ -128,22 +112,40 @@ class SliceReader {
     failed_ = false;
   }
 
+  // Adds a block of the last step, and of those to which it is a difference.
   void write_block(std::uint64_t number, const values::BlockPlace& place, const values::BlockBands& bands) {
-    if (first_[number] == first_[number + 1]) return;
-    thread_local values::BlockScratch scratch;
     thread_local std::vector<std::byte> payload;
+    std::size_t begin = chain_.size();
+    for (bool differs = true; differs && begin > 0;) {
+      const auto clusters = chain_[--begin]->of(number);
+      if (clusters.empty()) continue;
+      const auto first = begin > 0 ? read_cluster(clusters.front(), payload) : std::nullopt;
+      differs = first && first->differs;
+    }
+    for (; begin < chain_.size(); ++begin) add_block(chain_[begin]->of(number), place, bands, payload);
+  }
+
+  std::optional<values::Cluster> read_cluster(const FoundCluster& place, std::vector<std::byte>& payload) {
+    payload.resize(place.bytes);
+    if (!bytes_.read(place.offset, payload)) {
+      failed_ = true;
+      return std::nullopt;
+    }
+    return values::parse_cluster(payload, chain_.size() > 1);
+  }
+
+  void add_block(std::span<const FoundCluster> places, const values::BlockPlace& place, const values::BlockBands& bands,
+                 std::vector<std::byte>& payload) {
+    if (places.empty()) return;
+    thread_local values::BlockScratch scratch;
     values::Block block(place);
     std::vector<values::Cluster> clusters;
-    for (std::size_t i = first_[number]; i < first_[number + 1]; ++i) {
-      payload.resize(index_.clusters[i].bytes);
-      if (!bytes_.read(index_.clusters[i].offset, payload)) {
-        failed_ = true;
-        return;
-      }
-      auto cluster = values::parse_cluster(payload);
+    for (const FoundCluster& one : places) {
+      auto cluster = read_cluster(one, payload);
       if (!cluster) break;
       clusters.push_back(std::move(*cluster));
     }
+    if (failed_) return;
     decode(clusters, block, scratch);
     block.write(bands);
   }
@@ -197,9 +199,9 @@ class SliceReader {
 
   StreamBytes bytes_;
   const ValueGrid grid_;
-  ChunkIndex index_;
+  ClusterChain chain_;
+  ChunkIndex index_;  // without its clusters
   values::StoredCodes codes_;
-  std::vector<std::size_t> first_;  // of the clusters of each block
   bool exact_ = false, corrected_ = false;
   values::SampleLimits limits_;
   std::optional<values::SliceRestorer> restorer_;
@@ -210,78 +212,6 @@ class SliceReader {
   std::vector<std::uint8_t> missing_;
   std::vector<std::uint32_t> steps_;
   std::atomic<bool> failed_{false};
-};
-
-// Keeps the clusters that can be decoded: in each block, those before the first lost one, without repetitions.
-void keep_decodable(std::vector<ClusterPlace>& clusters) {
-  std::ranges::sort(clusters, [](const ClusterPlace& a, const ClusterPlace& b) {
-    return std::tuple(a.block, a.index, a.offset) < std::tuple(b.block, b.index, b.offset);
-  });
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < clusters.size(); ++i) {
-    const bool follows = kept > 0 && clusters[kept - 1].block == clusters[i].block;
-    if (clusters[i].index == (follows ? clusters[kept - 1].index + 1 : 0)) clusters[kept++] = clusters[i];
-  }
-  clusters.resize(kept);
-}
-
-/// Finds the chunks of a stream.
-class Indexer {
- public:
-  explicit Indexer(const ValueGrid& grid)
-      : gaps_(grid.gaps),
-        remains_(grid.exact || grid.correction != 0),
-        layout_(grid.dimensions, values::level_count(grid.dimensions)) {
-    const Extent cubes = values::cube_extent(grid.dimensions);
-    cubes_ = std::uint64_t{cubes[0]} * cubes[1] * cubes[2];
-  }
-
-  [[nodiscard]] values::ComponentCounts counts() const { return {layout_.count(), cubes_}; }
-  /// Adds a chunk. `payload` has the number in its component; in the stream, it has `bytes` bytes at `offset`.
-  void add(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset, std::size_t bytes) {
-    bool good = true;
-    const auto size = static_cast<std::uint32_t>(bytes);
-    if (type == ChunkType::values)
-      good = add_cluster(payload, offset, size);
-    else if (type == ChunkType::gaps)
-      good = gaps_ && add_run(payload, {offset, 0, size}, index_.gaps, gap_cubes_);
-    else if (type == ChunkType::remainders)
-      good = remains_ && add_run(payload, {offset, 0, size}, index_.remainders, remainder_cubes_);
-    index_.in_order = index_.in_order && good;
-  }
-  void note_loss() { index_.in_order = false; }
-  [[nodiscard]] ChunkIndex finish() {
-    const std::size_t runs = index_.gaps.size() + index_.remainders.size();
-    keep_decodable(index_.clusters);
-    index_.received = static_cast<std::uint32_t>(runs + index_.clusters.size());
-    for (auto* const of : {&index_.gaps, &index_.remainders})
-      std::ranges::stable_sort(*of, {}, [](const RunPlace& run) { return run.first; });
-    return std::move(index_);
-  }
-
- private:
-  bool add_cluster(std::span<const std::byte> payload, std::uint64_t offset, std::uint32_t bytes) {
-    const auto cluster = values::parse_cluster(payload);
-    if (!cluster || cluster->block >= layout_.count() || layout_.place(cluster->block).band_count == 0) return false;
-    index_.clusters.push_back({offset, cluster->block, cluster->index, bytes});
-    return true;
-  }
-  // Valid runs do not overlap; the limit of their cubes bounds the work for invalid streams.
-  bool add_run(std::span<const std::byte> payload, RunPlace place, std::vector<RunPlace>& runs,
-               std::uint64_t& cubes) const {
-    const auto run = values::parse_run(payload);
-    if (!run || run->first >= cubes_ || run->count > cubes_ - run->first) return false;
-    cubes += run->count;
-    if (cubes > 2 * cubes_) return false;
-    place.first = run->first;
-    runs.push_back(place);
-    return true;
-  }
-
-  bool gaps_, remains_;  // the stream has such chunks
-  values::BlockLayout layout_;
-  std::uint64_t cubes_ = 0, gap_cubes_ = 0, remainder_cubes_ = 0;
-  ChunkIndex index_;
 };
 
 /// Labels of a stream, in memory.
@@ -305,32 +235,6 @@ class LabelReceiver {
   std::optional<values::LabelLevels> levels_;
   std::uint32_t taken_ = 0;
   bool good_ = true;
-};
-
-/// Finds the chunks of all components of a stream.
-class ComponentIndexer {
- public:
-  void add(const StreamHeader& header, ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
-    if (all_.empty()) {
-      all_.emplace_back(header.grid);
-      for (const ValueGrid& grid : header.more_grids) all_.emplace_back(grid);
-    }
-    if (type != ChunkType::values && type != ChunkType::gaps && type != ChunkType::remainders) return;
-    if (all_.size() == 1) return all_.front().add(type, payload, offset, payload.size());
-    const values::ComponentCounts counts = all_.front().counts();
-    const auto split = values::without_component(payload, type == ChunkType::values ? counts.blocks : counts.cubes);
-    if (split && split->component < all_.size())
-      all_[split->component].add(type, split->payload, offset, payload.size());
-    else
-      for (Indexer& one : all_) one.note_loss();
-  }
-  /// Returns the index of a component.
-  [[nodiscard]] ChunkIndex finish(std::size_t component) {
-    return component < all_.size() ? all_[component].finish() : ChunkIndex();
-  }
-
- private:
-  std::vector<Indexer> all_;
 };
 
 // Sets what the received chunks say about errors.
@@ -361,24 +265,100 @@ VolumeLayout slices_layout(const StreamHeader& header, const ValueGrid& grid, bo
   return layout;
 }
 
+/// Parameters of the slices of a component.
+struct SlicesOf {
+  const StreamHeader& head;
+  const ValueGrid& grid;
+  const StreamBytes& bytes;
+  bool limited = true;  // to the range of the header
+};
+
 // Returns the values of a component, which are decoded when they are read.
-std::shared_ptr<const VolumeValues> slices_of(const StreamHeader& head, const ValueGrid& grid, const StreamBytes& bytes,
-                                              ChunkIndex index) {
+std::shared_ptr<const VolumeValues> slices_of(const SlicesOf& of, ClusterChain chain, ChunkIndex index) {
+  const ValueGrid& grid = of.grid;
   auto made = std::make_shared<VolumeValues>();
-  made->range = head.description.value_range;
+  made->range = of.head.description.value_range;
   made->stored = grid.stored;
   made->slope = grid.slope;
   made->intercept = grid.intercept;
   made->missing = grid.missing;
+  made->times = of.head.steps.times;
   note_errors(grid, index, *made);
   const bool whole = !grid.errors.empty() && index.in_order && index.received >= grid.errors.back().chunks;
   const bool exact = made->exact && grid.exact;
-  made->source.layout = slices_layout(head, grid, exact);
-  const auto slices = std::make_shared<SliceReader>(bytes, grid, std::move(index));
-  slices->apply(exact, whole && grid.correction != 0, values::sample_limits(made->range, grid.unit, grid.zero));
+  made->source.layout = slices_layout(of.head, grid, exact);
+  const auto slices = std::make_shared<SliceReader>(of.bytes, grid, std::move(chain), std::move(index));
+  slices->apply(exact, whole && grid.correction != 0,
+                of.limited ? values::sample_limits(made->range, grid.unit, grid.zero) : values::SampleLimits());
   made->source.read = [slices](std::uint32_t z, std::span<std::byte> to) { return slices->read(z, to); };
   return made;
 }
+
+/// Values of all components, step by step.
+class StepSlices {
+ public:
+  StepSlices(const StreamHeader& head, const StreamBytes& bytes, ComponentIndexer& indexer, bool undamaged)
+      : head_(head),
+        bytes_(bytes),
+        indexer_(indexer),
+        undamaged_(undamaged),
+        chains_(head.grid.components),
+        whole_(head.grid.components, true) {}
+
+  /// Returns the values of the next step.
+  std::shared_ptr<const VolumeValues> next() {
+    std::vector<std::shared_ptr<const VolumeValues>> all;
+    for (std::size_t c = 0; c < head_.grid.components; ++c) all.push_back(component(c));
+    const std::uint32_t step = step_++;
+    if (all.size() == 1) return numbered(*all.front(), step);
+    if (head_.grid.colors) return numbered(*color_values(all, head_.grid.luma), step);
+    auto made = std::make_shared<VolumeValues>(*all.front());
+    made->components = std::move(all);
+    return numbered(*made, step);
+  }
+
+ private:
+  static std::shared_ptr<const VolumeValues> numbered(const VolumeValues& values, std::uint32_t step) {
+    auto made = std::make_shared<VolumeValues>(values);
+    made->step = step;
+    return made;
+  }
+
+  std::shared_ptr<const VolumeValues> component(std::size_t c) {
+    ValueGrid grid = c == 0 ? head_.grid : head_.more_grids[c - 1];
+    const std::size_t number = step_ * head_.grid.components + c;
+    ChunkIndex index = indexer_.finish(number);
+    index.in_order = index.in_order && undamaged_;
+    ClusterChain& chain = chains_[c];
+    if (step_ % kChainSteps == 0) {
+      chain.clear();
+      whole_[c] = true;
+    }
+    if (!head_.steps.chunks.empty()) {
+      // The error at the end holds for a step if all chunks of its chain are there.
+      whole_[c] = whole_[c] && index.in_order && index.received >= head_.steps.chunks[number];
+      index.in_order = whole_[c];
+      if (!grid.errors.empty()) {
+        grid.errors = {grid.errors.back()};
+        grid.errors.back().chunks = head_.steps.chunks[number];
+      }
+    }
+    const values::BlockLayout layout(grid.dimensions, values::level_count(grid.dimensions));
+    chain.push_back(std::make_shared<const BlockClusters>(std::move(index.clusters), layout.count()));
+    index.clusters.clear();
+    // Colour differences are not in the range of the colours.
+    const bool limited = !head_.grid.luma || c == 0 || c == 3;
+    return slices_of({head_, grid, bytes_, limited}, chain, std::move(index));
+  }
+
+  const StreamHeader& head_;
+  const StreamBytes& bytes_;
+  ComponentIndexer& indexer_;
+  const bool undamaged_;
+  std::uint32_t step_ = 0;
+  std::vector<ClusterChain> chains_;  // by component
+  std::vector<bool> whole_;           // by component: nothing of the chain is missing
+};
 
 }  // namespace
 
@@ -411,17 +391,13 @@ std::variant<std::shared_ptr<const VolumeValues>, StreamProblem> open_values_sli
     if (header) *header = head;
     return labels.values(head, reader.problems().empty());
   }
-  const bool undamaged = reader.problems().empty();
-  std::vector<std::shared_ptr<const VolumeValues>> all;
-  for (std::size_t c = 0; c < head.grid.components; ++c) {
-    ChunkIndex index = indexer.finish(c);
-    index.in_order = index.in_order && undamaged;
-    all.push_back(slices_of(head, c == 0 ? head.grid : head.more_grids[c - 1], bytes, std::move(index)));
-  }
   if (header) *header = head;
-  if (all.size() == 1) return std::move(all.front());
+  StepSlices steps(head, bytes, indexer, reader.problems().empty());
+  if (head.steps.times.empty()) return steps.next();
+  std::vector<std::shared_ptr<const VolumeValues>> all;
+  while (all.size() < head.steps.times.size()) all.push_back(steps.next());
   auto made = std::make_shared<VolumeValues>(*all.front());
-  made->components = std::move(all);
+  made->steps = std::move(all);
   return std::shared_ptr<const VolumeValues>(std::move(made));
 }
 

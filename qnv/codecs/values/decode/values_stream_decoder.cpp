@@ -105,6 +105,27 @@ class ValuesStreamDecoder final : public values::ValuesPart {
     return values_;
   }
 
+  void join_series(ValuesPart* before) override {
+    state_.emplace();
+    if (before) decoder_.refer(before->coefficients());
+  }
+  void set_state(const values::StepState& state) override {
+    state_ = state;
+    values_.reset();
+  }
+  void rest() override {
+    decoder_.decode_ready();
+    decoder_.rest();
+    samples_ = {};
+    samples_level_ = -1;
+    vectors_.reset();
+    values_.reset();
+    missing_.reset();
+    remainders_ = {};
+    gap_cubes_ = remainder_cubes_ = 0;
+  }
+  [[nodiscard]] values::ValuesDecoder& coefficients() override { return decoder_; }
+
  private:
   [[nodiscard]] static std::size_t most_blocks(std::size_t most_vectors) {
     return std::max<std::size_t>(values::kSamplesPerVector * most_vectors, 4096) / kBlockSamples + 64;
@@ -115,7 +136,7 @@ class ValuesStreamDecoder final : public values::ValuesPart {
   }
 
   values::Added add_cluster(std::span<const std::byte> payload) {
-    const auto cluster = values::parse_cluster(payload);
+    const auto cluster = values::parse_cluster(payload, decoder_.refers());
     return cluster ? decoder_.add(*cluster) : values::Added::refused;
   }
 
@@ -151,6 +172,7 @@ class ValuesStreamDecoder final : public values::ValuesPart {
 
   /// Reports whether all chunks were received, so that the last error holds. Repeated ones may be missing.
   [[nodiscard]] bool complete() const {
+    if (state_) return !grid_.errors.empty() && state_->complete;
     return !grid_.errors.empty() && received_ >= grid_.errors.back().chunks && count_.refused == 0;
   }
 
@@ -180,6 +202,7 @@ class ValuesStreamDecoder final : public values::ValuesPart {
   void decode(const Description& about, int level, bool vectors) const {
     auto values = std::make_shared<VolumeValues>();
     values->level = level;
+    values->whole = grid_.dimensions;
     values->range = about.value_range;
     values->stored = grid_.stored;
     values->slope = grid_.slope;
@@ -248,6 +271,12 @@ class ValuesStreamDecoder final : public values::ValuesPart {
       values.exact = errors.back().most == 0;
       return;
     }
+    if (state_) {
+      if (!state_->error) return;
+      values.error = state_->error->most;
+      values.rms = state_->error->rms;
+      return;
+    }
     // An entry holds if its chunks were received in order. Further chunks in order only reduce the error.
     if (!in_order_) return;
     for (const ValueError& error : errors)
@@ -291,6 +320,7 @@ class ValuesStreamDecoder final : public values::ValuesPart {
   std::uint32_t received_ = 0;
   bool in_order_ = true;  // no chunk was lost or refused so far
   DecodeCount count_;
+  std::optional<values::StepState> state_;  // of a step of a time series
   // Results, made when they are asked for.
   mutable values::ValuesDecoder decoder_;
   mutable values::SampledGrid samples_;

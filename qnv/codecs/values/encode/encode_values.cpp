@@ -60,9 +60,15 @@ class LeastRank {
 class VolumeEncoder {
  public:
   /// Encodes no more than what `max_bytes` need, if that is given.
-  VolumeEncoder(Extent extent, std::size_t max_bytes, SpillStore& store, unsigned threads, Progress* progress)
-      : extent_(extent), layout_(extent, level_count(extent)), store_(store), threads_(threads), progress_(progress) {
-    if (max_bytes != 0) least_.emplace(max_bytes);
+  VolumeEncoder(Extent extent, const ValuesLimit& limit, SpillStore& store, unsigned threads, Progress* progress,
+                const EncodedStep* step)
+      : extent_(extent),
+        layout_(extent, level_count(extent)),
+        store_(store),
+        threads_(threads),
+        progress_(progress),
+        before_(step && !step->first ? &step->decoded : nullptr) {
+    if (limit.max_bytes != 0) least_.emplace(limit.max_bytes);
   }
 
   [[nodiscard]] std::uint64_t blocks() const { return layout_.count(); }
@@ -115,7 +121,9 @@ class VolumeEncoder {
           const BlockPlace place = layout_.place(first + i);
           // Errors of coarse bands spread: each level needs two thirds of a plane more.
           const int last = std::max(0, last_plane - 2 * (place.level - 1) / 3);
-          encoder.encode(static_cast<std::uint32_t>(first + i), place, slices.bands_of(place), last, least_rank);
+          const std::optional<BlockBands> before = before_ ? std::optional(before_->bands_of(place)) : std::nullopt;
+          encoder.encode(static_cast<std::uint32_t>(first + i), place, slices.bands_of(place),
+                         {last, least_rank, !least_}, before ? &*before : nullptr);
           results[i] = encoder.take();
         },
         threads_, progress_);
@@ -141,6 +149,7 @@ class VolumeEncoder {
   SpillStore& store_;
   unsigned threads_;
   Progress* progress_;
+  StepCoefficients* before_;  // of a time series, or null
   std::vector<StoredCluster> clusters_;
   double rest_ = 0;
   std::optional<LeastRank> least_;  // null without a limited size
@@ -172,10 +181,11 @@ void order_in_space(std::vector<StoredCluster>& clusters, const BlockLayout& lay
   std::ranges::transform(keys, clusters.begin(), &Key::cluster);
 }
 
-// Sorts clusters by rank, and drops those beyond `max_bytes` if that is given. The first cluster stays.
-void order_clusters(std::vector<StoredCluster>& clusters, std::size_t max_bytes, const BlockLayout& layout) {
+// Sorts clusters by rank, and drops those beyond the maximum size, if there is one. The first cluster stays.
+void order_clusters(std::vector<StoredCluster>& clusters, const ValuesLimit& limit, const BlockLayout& layout) {
   constexpr std::size_t kMany = std::size_t{1} << 15;
-  if (clusters.size() >= kMany && max_bytes == 0) return order_in_space(clusters, layout);
+  const std::size_t max_bytes = limit.max_bytes;
+  if (clusters.size() >= kMany && max_bytes == 0 && limit.alone) return order_in_space(clusters, layout);
   std::ranges::sort(clusters, [](const StoredCluster& a, const StoredCluster& b) {
     return std::tuple(-a.rank, a.block, a.index) < std::tuple(-b.rank, b.block, b.index);
   });
@@ -200,10 +210,9 @@ std::optional<std::size_t> clusters_for(std::span<const StoredCluster> order, do
   return rest <= permitted ? std::optional(order.size()) : std::nullopt;
 }
 
-// Returns the lengths, in clusters, of the prefixes to measure. The first prefix has about 4 kB. Each
-// further prefix is larger by a factor, up to an eighth of the bytes. Large volumes have fewer prefixes, because each
-// one is decoded.
-std::vector<std::size_t> measured_prefixes(std::span<const StoredCluster> order, std::size_t samples) {
+}  // namespace
+
+std::vector<std::size_t> measured_prefixes(std::span<const StoredCluster> order, std::uint64_t samples) {
   constexpr std::size_t kFirst = 4000;
   const std::size_t factor = samples <= std::size_t{1} << 24 ? 4 : samples <= std::size_t{1} << 27 ? 16 : 64;
   std::vector<std::size_t> prefixes;
@@ -218,8 +227,6 @@ std::vector<std::size_t> measured_prefixes(std::span<const StoredCluster> order,
   return prefixes;
 }
 
-}  // namespace
-
 void store_run(const CubeRun& run, SpillStore& store, std::vector<StoredRun>& runs,
                std::optional<EncodeError>& problem) {
   if (problem) return;
@@ -229,8 +236,9 @@ void store_run(const CubeRun& run, SpillStore& store, std::vector<StoredRun>& ru
 }
 
 std::variant<EncodedValues, EncodeError> encode_values(const ReadSamples& read, Extent extent, const ValuesLimit& limit,
-                                                       SpillStore& store, unsigned threads, Progress* progress) {
-  VolumeEncoder volume(extent, limit.max_bytes, store, threads, progress);
+                                                       SpillStore& store, unsigned threads, Progress* progress,
+                                                       const EncodedStep* step) {
+  VolumeEncoder volume(extent, limit, store, threads, progress, step);
   // A permitted error of one step saves nothing.
   const bool bounded = limit.most_error > 1 && limit.max_bytes == 0;
   const bool exact = !bounded && limit.max_bytes == 0;
@@ -238,7 +246,7 @@ std::variant<EncodedValues, EncodeError> encode_values(const ReadSamples& read, 
   for (int last_plane = bounded ? std::max(0, static_cast<int>(std::bit_width(limit.most_error)) - 2) : 0;;
        --last_plane) {
     if (auto problem = volume.encode(read, last_plane)) return std::move(*problem);
-    order_clusters(volume.clusters(), limit.max_bytes, volume.layout());
+    order_clusters(volume.clusters(), limit, volume.layout());
     if (bounded) {
       const auto end =
           clusters_for(volume.clusters(), kRmsOfError * limit.most_error, sample_count(extent), volume.rest());
@@ -248,18 +256,32 @@ std::variant<EncodedValues, EncodeError> encode_values(const ReadSamples& read, 
     break;
   }
   encoded.clusters = std::move(volume.clusters());
-  ErrorMeter meter(read, extent, {store, encoded.clusters, volume.blocks()}, threads, progress);
-  std::vector<std::size_t> prefixes = measured_prefixes(encoded.clusters, sample_count(extent));
+  StoredBlocks blocks(store, encoded.clusters, volume.blocks());
+  ErrorMeter meter(read, extent, threads, progress);
+  SliceRestorer::WriteBlock write = [&](std::uint64_t number, const BlockPlace& place, const BlockBands& bands) {
+    blocks.write(number, place, bands);
+  };
+  std::vector<std::size_t> prefixes;
+  if (step) {
+    blocks.keep(encoded.clusters.size());
+    step->decoded.decode(blocks, step->first, threads);
+    write = step->decoded.writer();
+  } else {
+    prefixes = measured_prefixes(encoded.clusters, sample_count(extent));
+  }
   if (!exact) prefixes.push_back(encoded.clusters.size());
   std::optional<EncodeError> problem;
   for (const std::size_t clusters : prefixes) {
     const bool last = bounded && clusters == encoded.clusters.size();
     RemainderEncoder runs(extent, [&](CubeRun&& run) { store_run(run, store, encoded.corrections, problem); });
-    auto measured = meter.measure(clusters, last ? limit.most_error : 0, last ? &runs : nullptr);
+    if (!step) blocks.keep(clusters);
+    auto measured = meter.measure(write, last ? limit.most_error : 0, last ? &runs : nullptr);
     if (auto* failed = std::get_if<EncodeError>(&measured)) return std::move(*failed);
     encoded.errors.push_back(std::get<ValueError>(measured));
+    encoded.errors.back().chunks = static_cast<std::uint32_t>(clusters);
     if (problem) return std::move(*problem);
   }
+  if (blocks.failed()) return EncodeError{"cannot read the clusters again: " + store.problem()};
   if (exact) encoded.errors.push_back({static_cast<std::uint32_t>(encoded.clusters.size()), 0, 0});
   return encoded;
 }

@@ -4,11 +4,13 @@
 #include "qnv/codecs/shared/spill_store.h"
 #include "qnv/codecs/values/cube_runs.h"
 #include "qnv/codecs/values/encode/sample_batch.h"
+#include "qnv/codecs/values/encode/step_coefficients.h"
 #include "qnv/codecs/values/encode/stored_clusters.h"
 #include "qnv/container/value_grid.h"
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <variant>
 #include <vector>
 
@@ -18,6 +20,13 @@ namespace gs::qnv::values {
 struct ValuesLimit {
   std::uint32_t most_error = 0;  // maximum for every sample; 0 means lossless. Without effect if `max_bytes` is given
   std::size_t max_bytes = 0;     // of all chunks with their directory entries; 0 means unlimited
+  bool alone = true;             // without clusters of other components or steps, which need the order of their ranks
+};
+
+/// Step of a time series, and the decoded steps before it.
+struct EncodedStep {
+  StepCoefficients& decoded;  // gets the step
+  bool first = true;          // of a chain
 };
 
 /// Run of cubes, packed in a SpillStore.
@@ -42,10 +51,15 @@ void store_run(const CubeRun& run, SpillStore& store, std::vector<StoredRun>& ru
 
 /// Encodes a volume that is read slice by slice, several times. Memory: about 60 slices of 4 bytes per voxel, and 24
 /// bytes per cluster. Returns an error if `read` or the store fails, or if cancelled. The clusters do not depend on the
-/// number of threads, nor on the store. Blocks.
+/// number of threads, nor on the store. With `step`, encodes a step of a time series, and measures only the error at
+/// its end. Blocks.
 [[nodiscard]] std::variant<EncodedValues, EncodeError> encode_values(const ReadSamples& read, Extent extent,
                                                                      const ValuesLimit& limit, SpillStore& store,
-                                                                     unsigned threads = 0,
-                                                                     Progress* progress = nullptr);
+                                                                     unsigned threads = 0, Progress* progress = nullptr,
+                                                                     const EncodedStep* step = nullptr);
+
+/// Returns the lengths, in clusters, of the prefixes to measure. The first prefix has about 4 kB. Each further prefix
+/// is larger by a factor, up to an eighth of the bytes. Large volumes have fewer prefixes, because each one is decoded.
+[[nodiscard]] std::vector<std::size_t> measured_prefixes(std::span<const StoredCluster> order, std::uint64_t samples);
 
 }  // namespace gs::qnv::values

@@ -1,7 +1,6 @@
 #include "qnv/codecs/values/encode/error_meter.h"
 
 #include "qnv/codecs/values/encode/encode_values.h"
-#include "qnv/codecs/values/slices/slice_transform.h"
 
 #include <algorithm>
 #include <array>
@@ -96,26 +95,14 @@ ErrorSum correct(const ComparedSlice& slice, std::uint32_t most_error, std::span
 
 }  // namespace
 
-ErrorMeter::ErrorMeter(const ReadSamples& read, Extent extent, StoredOrder order, unsigned threads, Progress* progress)
-    : read_(read),
-      extent_(extent),
-      store_(order.store),
-      blocks_(order.store, order.clusters, order.blocks),
-      threads_(threads),
-      progress_(progress) {}
-
-std::variant<ValueError, EncodeError> ErrorMeter::measure(std::size_t clusters, std::uint32_t most_error,
-                                                          RemainderEncoder* corrections) {
-  blocks_.keep(clusters);
+std::variant<ValueError, EncodeError> ErrorMeter::measure(const SliceRestorer::WriteBlock& write,
+                                                          std::uint32_t most_error, RemainderEncoder* corrections) {
   if (progress_) {
     progress_->stage = "measuring";
     progress_->done = 0;
     progress_->total = extent_[2];
   }
-  SliceRestorer restorer(extent_, threads_,
-                         [&](std::uint64_t number, const BlockPlace& place, const BlockBands& bands) {
-                           blocks_.write(number, place, bands);
-                         });
+  SliceRestorer restorer(extent_, threads_, write);
   const std::size_t slice = std::size_t{extent_[0]} * extent_[1];
   SampleBatch batch;
   std::vector<std::int32_t> decoded;
@@ -129,7 +116,6 @@ std::variant<ValueError, EncodeError> ErrorMeter::measure(std::size_t clusters, 
     std::vector<SliceRows> slices;
     for (std::uint32_t i = 0; i < batch.count; ++i) slices.push_back({decoded.data() + i * slice, extent_[0]});
     restorer.next(slices);
-    if (blocks_.failed()) return EncodeError{"cannot read the clusters again: " + store_.problem()};
     std::vector<ErrorSum> sums(batch.count);
     (void)parallel_for(
         batch.count,
@@ -150,8 +136,7 @@ std::variant<ValueError, EncodeError> ErrorMeter::measure(std::size_t clusters, 
   }
   if (corrections) corrections->finish();
   const double mean = whole.count > 0 ? whole.squares / static_cast<double>(whole.count) : 0;
-  return ValueError{static_cast<std::uint32_t>(clusters), static_cast<float>(whole.most),
-                    static_cast<float>(std::sqrt(mean))};
+  return ValueError{0, static_cast<float>(whole.most), static_cast<float>(std::sqrt(mean))};
 }
 
 }  // namespace gs::qnv::values

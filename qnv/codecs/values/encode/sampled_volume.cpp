@@ -31,6 +31,12 @@ constexpr std::size_t kRun = 1024;
 struct StoredRange {
   double least = std::numeric_limits<double>::infinity(), most = -std::numeric_limits<double>::infinity();
   bool gaps = false;
+
+  void add(const StoredRange& other) {
+    least = std::min(least, other.least);
+    most = std::max(most, other.most);
+    gaps = gaps || other.gaps;
+  }
 };
 
 // Reports whether every stored integer of type T is there and has a value.
@@ -103,10 +109,7 @@ std::variant<StoredRange, EncodeError> measured_range(const VolumeSource& source
   for (std::uint32_t z = 0; z < layout.dimensions[2]; ++z) {
     if (is_cancelled(progress)) return EncodeError{"cancelled"};
     if (!source.read(z, stored)) return EncodeError{"slice " + std::to_string(z) + " of the volume cannot be read"};
-    const StoredRange one = range_of(layout, stored);
-    whole.least = std::min(whole.least, one.least);
-    whole.most = std::max(whole.most, one.most);
-    whole.gaps = whole.gaps || one.gaps;
+    whole.add(range_of(layout, stored));
     if (progress) progress->done = z + 1;
   }
   return whole;
@@ -195,10 +198,10 @@ void convert_slice(const VolumeLayout& layout, const SampledVolume& volume, std:
 
 }  // namespace
 
-std::variant<SampledVolume, EncodeError> sample_volume(const VolumeSource& source, const ValueTolerance& tolerance,
-                                                       Progress* progress) {
-  if (const auto problem = check(source.layout)) return EncodeError{problem->message};
-  const VolumeLayout& layout = source.layout;
+std::variant<SampledVolume, EncodeError> sample_volume(std::span<const VolumeSource> steps,
+                                                       const ValueTolerance& tolerance, Progress* progress) {
+  const VolumeLayout& layout = steps.front().layout;
+  if (const auto problem = check(layout)) return EncodeError{problem->message};
   if (voxel_count(layout) > kMostSamples)
     return EncodeError{"the volume has " + std::to_string(voxel_count(layout)) + " voxels; expected at most " +
                        std::to_string(kMostSamples)};
@@ -211,9 +214,13 @@ std::variant<SampledVolume, EncodeError> sample_volume(const VolumeSource& sourc
   grid.slope = layout.slope != 0 ? layout.slope : 1;
   grid.intercept = layout.intercept;
   if (layout.missing && std::isfinite(*layout.missing)) grid.missing = layout.missing;
-  auto measured = measured_range(source, progress);
-  if (auto* problem = std::get_if<EncodeError>(&measured)) return std::move(*problem);
-  auto& [least, most, gaps] = std::get<StoredRange>(measured);
+  StoredRange range;
+  for (const VolumeSource& step : steps) {
+    auto measured = measured_range(step, progress);
+    if (auto* problem = std::get_if<EncodeError>(&measured)) return std::move(*problem);
+    range.add(std::get<StoredRange>(measured));
+  }
+  auto& [least, most, gaps] = range;
   if (!(least <= most)) return EncodeError{"every voxel of the volume is missing; expected values"};
   if (layout.slope == 0) least = most = 0;
   volume.least = least;

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -24,10 +25,10 @@ struct SampledVolume {
   double least = 0, most = 0;  // of the stored numbers
 };
 
-/// Reads a volume once and chooses its integers. Float numbers become multiples of a power of two that suits the
-/// permitted error. Returns an error if the source fails, for a volume without values or with too many voxels, or if
-/// cancelled. Safe for untrusted values.
-[[nodiscard]] std::variant<SampledVolume, EncodeError> sample_volume(const VolumeSource& source,
+/// Reads a volume, or all steps of a time series, once and chooses the integers. Float numbers become multiples of a
+/// power of two that suits the permitted error. Returns an error if a source fails, for volumes without values or with
+/// too many voxels, or if cancelled. Safe for untrusted values.
+[[nodiscard]] std::variant<SampledVolume, EncodeError> sample_volume(std::span<const VolumeSource> steps,
                                                                      const ValueTolerance& tolerance,
                                                                      Progress* progress);
 

@@ -2,6 +2,7 @@
 
 #include "qnv/codecs/shared/spill_store.h"
 #include "qnv/codecs/values/block.h"
+#include "qnv/codecs/values/slices/band_buffer.h"
 
 #include <atomic>
 #include <cstddef>
@@ -16,17 +17,27 @@ namespace gs::qnv::values {
 struct StoredCluster {
   std::uint64_t offset = 0;
   std::uint32_t block = 0;
-  std::uint16_t index = 0, bytes = 0;  // position in the block, packed size
-  float rank = 0;                      // gain per byte, by which clusters are ordered
-  float gain = 0;                      // reduction of the squared error of the volume
+  std::uint16_t index = 0;        // position in the block
+  std::uint16_t bytes : 15 = 0;   // packed size
+  std::uint16_t differs : 1 = 0;  // the block is a difference to that of the step before
+  float rank = 0;                 // gain per byte, by which clusters are ordered
+  float gain = 0;                 // reduction of the squared error of the volume
+};
+
+/// Planes that an encoder of a block codes.
+struct CodedPlanes {
+  int last = 0;          // lowest plane
+  float least_rank = 0;  // ends after a cluster that gains much less per byte
+  bool all = true;       // all of them are kept; otherwise the highest ones decide about differences
 };
 
 /// Encodes blocks. Each thread reuses one.
 class BlockEncoder {
  public:
-  /// Encodes a block down to a plane. Ends after a cluster that gains much less per byte than `least_rank`.
-  void encode(std::uint32_t number, const BlockPlace& place, const BlockBands& bands, int last_plane,
-              float least_rank = 0);
+  /// Encodes a block. `before` are the decoded coefficients of the step before; with them, the block becomes a
+  /// difference if that takes fewer bits.
+  void encode(std::uint32_t number, const BlockPlace& place, const BlockBands& bands, const CodedPlanes& planes,
+              const BlockBands* before = nullptr);
   /// Moves the clusters of the last block to `clusters` and `bytes`. The offsets are relative to the begin of `bytes`.
   struct Result {
     std::vector<StoredCluster> clusters;
@@ -36,8 +47,11 @@ class BlockEncoder {
   [[nodiscard]] Result take() { return std::exchange(result_, {}); }
 
  private:
+  void put_cluster(const Block::Encoded& coded, std::uint32_t number, int top, bool differs);
+
   Result result_;
   BlockScratch scratch_;
+  BandBuffer difference_;
 };
 
 /// Decoder of the blocks of an encoder from the first clusters of its order.
@@ -47,8 +61,9 @@ class StoredBlocks {
 
   /// Sets the number of clusters to decode, which must not be less than before.
   void keep(std::size_t clusters);
-  /// Writes the coefficients of a block. Several threads may call it.
-  void write(std::uint64_t number, const BlockPlace& place, const BlockBands& bands) const;
+  /// Writes the coefficients of a block that are not zero. Returns its first cluster, or null if it has none. Several
+  /// threads may call it.
+  const StoredCluster* write(std::uint64_t number, const BlockPlace& place, const BlockBands& bands) const;
   /// Reports whether the store could not be read.
   [[nodiscard]] bool failed() const { return failed_; }
 
@@ -56,6 +71,7 @@ class StoredBlocks {
   struct Kept {
     std::uint64_t offset = 0;
     std::uint32_t bytes = 0;  // of all clusters of the block, with their lengths
+    std::uint32_t first = 0;  // place of the first one in the order
   };
   const SpillStore& store_;
   std::span<const StoredCluster> order_;

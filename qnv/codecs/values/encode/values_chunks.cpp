@@ -10,7 +10,12 @@
 namespace gs::qnv::values {
 
 ValuesChunks::ValuesChunks(const ValueGrid& grid, const SpillStore& store, std::span<const ComponentParts> parts)
-    : store_(store), parts_(parts), extent_(grid.dimensions), blocks_(extent_, level_count(extent_)), entries_(grid) {
+    : store_(store),
+      parts_(parts),
+      components_(grid.components),
+      extent_(grid.dimensions),
+      blocks_(extent_, level_count(extent_)),
+      entries_(grid) {
   for (const ComponentParts& part : parts)
     for (const StoredCluster& cluster : part.clusters)
       most_gain_ = std::max(most_gain_, static_cast<double>(cluster.gain) * part.weight);
@@ -69,6 +74,7 @@ std::optional<OutgoingChunk> ValuesChunks::chunk(std::size_t i) const {
   const Place place = place_of(i);
   chunk.entry = entries_(chunk_place(place));
   if (place.component > 0) chunk.entry.vectors = 0;
+  if (parts_.size() > components_) chunk.entry.parent = static_cast<std::uint32_t>(place.component / components_);
   if (!read(place, chunk.payload)) return std::nullopt;
   if (place.run) {
     chunk.type = place.gaps ? ChunkType::gaps : ChunkType::remainders;

@@ -13,12 +13,16 @@
 
 namespace gs::qnv::values {
 
-/// Encoded parts of one component, each in the order of its chunks.
+/// Encoded parts of one component, or of one component of a step, each in the order of its chunks.
 struct ComponentParts {
   std::vector<StoredRun> gaps;
   std::vector<StoredCluster> clusters;
   std::vector<StoredRun> remainders;
   double weight = 1;  // factor from the squared error of a sample to that of its value
+
+  [[nodiscard]] std::uint32_t chunks() const {
+    return static_cast<std::uint32_t>(gaps.size() + clusters.size() + remainders.size());
+  }
 };
 
 /// Chunks of a values stream, with payloads in a store: the gaps, the clusters, then the remainders. The clusters of
@@ -50,7 +54,8 @@ class ValuesChunks final : public ChunkList {
   [[nodiscard]] static ChunkPlace chunk_place(const Place& place);
 
   const SpillStore& store_;
-  std::span<const ComponentParts> parts_;
+  std::span<const ComponentParts> parts_;  // by step, then by component
+  std::size_t components_;                 // of a step
   Extent extent_;
   BlockLayout blocks_;
   PlaceEntries entries_;

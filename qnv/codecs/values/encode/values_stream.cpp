@@ -1,19 +1,15 @@
 #include "qnv/codecs/values/encode/values_stream.h"
 
-#include "qnv/codecs/values/chunk_places.h"
-#include "qnv/codecs/values/cube_runs.h"
-#include "qnv/codecs/values/encode/encode_values.h"
-#include "qnv/codecs/values/encode/sampled_volume.h"
+#include "qnv/codecs/values/encode/color_components.h"
+#include "qnv/codecs/values/encode/component_encoder.h"
 #include "qnv/codecs/values/encode/values_chunks.h"
 #include "qnv/codecs/values/encode/write_values.h"
-#include "qnv/codecs/values/stored_code.h"
+#include "qnv/sampling/volume/color_voxels.h"
 #include "qnv/sampling/volume/gradients.h"
-#include "qnv/sampling/volume/volume_slices.h"
-
-#include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -21,8 +17,6 @@
 
 namespace gs::qnv {
 namespace {
-
-using values::SampledVolume;
 
 Description describe(const VolumeSource& source, const std::pair<float, float>& range, const EncodeOptions& options) {
   const VolumeLayout& layout = source.layout;
@@ -33,186 +27,90 @@ Description describe(const VolumeSource& source, const std::pair<float, float>& 
   return about;
 }
 
-/// Reads a volume batch by batch. Calls take(batch) for each. Returns an error if the source fails, or if cancelled.
-template <class Take>
-std::optional<EncodeError> each_batch(values::SampleReader& reader, const VolumeLayout& layout, bool codes,
-                                      Progress* progress, Take&& take) {
-  values::SampleBatch batch;
-  const std::uint32_t depth = layout.dimensions[2];
-  if (progress) {
-    progress->stage = "sampling";
-    progress->done = 0;
-    progress->total = depth;
-  }
-  for (std::uint32_t z = 0; z < depth; z += values::kBatchSlices) {
-    if (is_cancelled(progress)) return EncodeError{"cancelled"};
-    if (auto problem = reader.read(z, std::min(values::kBatchSlices, depth - z), codes, batch)) return problem;
-    take(batch);
-    if (progress) progress->done = z + batch.count;
+// Returns an error unless the steps of a time series have one grid, and times that ascend.
+std::optional<EncodeError> check_steps(const VolumeSource& source) {
+  if (source.steps.empty()) return std::nullopt;
+  const std::size_t numbers = std::max<std::size_t>(source.components.size(), 1);
+  if (source.steps.size() < 2 || source.steps.size() > kMaxSteps || source.steps.size() * numbers > kMaxStepComponents)
+    return EncodeError{"the time series has " + std::to_string(source.steps.size()) + " steps of " +
+                       std::to_string(numbers) + " numbers; expected 2 to " + std::to_string(kMaxSteps) +
+                       " steps, and at most " + std::to_string(kMaxStepComponents) + " numbers per voxel in all steps"};
+  if (source.times.size() != source.steps.size() ||
+      !std::ranges::all_of(source.times, [](double time) { return std::isfinite(time); }) ||
+      std::ranges::adjacent_find(source.times, std::greater_equal<>()) != source.times.end())
+    return EncodeError{"the times of the steps do not ascend; expected a later time for each step"};
+  const VolumeLayout& first = source.steps.front().layout;
+  for (std::size_t s = 0; s < source.steps.size(); ++s) {
+    const VolumeSource& step = source.steps[s];
+    const VolumeLayout& layout = step.layout;
+    if (layout.dimensions != first.dimensions || layout.type != first.type || layout.slope != first.slope ||
+        layout.intercept != first.intercept || layout.missing != first.missing || layout.labels ||
+        layout.colors != first.colors || step.components.size() != source.steps.front().components.size())
+      return EncodeError{"step " + std::to_string(s) +
+                         " differs from step 0 in its size, type, scale or numbers per voxel, or has labels; expected "
+                         "steps of one grid"};
   }
   return std::nullopt;
-}
-
-// Adds the layers of a batch to an encoder of runs.
-template <class Number>
-void add_layers(std::span<const Number> numbers, const VolumeLayout& layout, values::RunEncoder<Number>& encoder) {
-  const std::size_t layer = slice_voxels(layout) * values::kCubeEdge;
-  for (std::size_t at = 0; at < numbers.size(); at += layer)
-    encoder.add(numbers.subspan(at, std::min(layer, numbers.size() - at)));
-}
-
-// Stores the gaps of a volume, and lets `reader` fill them.
-std::optional<EncodeError> encode_gaps(values::SampleReader& reader, const VolumeLayout& layout, SpillStore& store,
-                                       std::vector<values::StoredRun>& runs, Progress* progress) {
-  std::optional<EncodeError> problem;
-  values::GapEncoder encoder(layout.dimensions,
-                             [&](values::CubeRun&& run) { values::store_run(run, store, runs, problem); });
-  if (auto failed = each_batch(reader, layout, false, progress, [&](const values::SampleBatch& batch) {
-        reader.measure_gaps(batch);
-        add_layers(std::span(batch.missing), layout, encoder);
-      }))
-    return failed;
-  encoder.finish();
-  reader.prepare_gaps();
-  return problem;
-}
-
-// Stores the differences between the stored voxels and the samples.
-std::optional<EncodeError> encode_codes(values::SampleReader& reader, const VolumeLayout& layout, const ValueGrid& grid,
-                                        SpillStore& store, std::vector<values::StoredRun>& runs, Progress* progress) {
-  std::optional<EncodeError> problem;
-  values::RemainderEncoder encoder(layout.dimensions,
-                                   [&](values::CubeRun&& run) { values::store_run(run, store, runs, problem); });
-  const values::StoredCodes codes(grid);
-  if (auto failed = each_batch(reader, layout, true, progress, [&](values::SampleBatch& batch) {
-        for (std::size_t i = 0; i < batch.codes.size(); ++i)
-          batch.codes[i] =
-              !batch.missing.empty() && batch.missing[i] != 0 ? 0 : batch.codes[i] - codes(batch.samples[i]);
-        add_layers(std::span<const std::uint32_t>(batch.codes), layout, encoder);
-      }))
-    return failed;
-  encoder.finish();
-  return problem;
-}
-
-// Returns the size that is left for the clusters of one component, beside their parity.
-std::size_t room_for_clusters(const StreamHeader& header, std::span<const values::StoredRun> gaps,
-                              std::size_t max_bytes, const Protection& protection) {
-  std::size_t used = encode_header(header).size() + 12 * ValueGrid::kMaxValueErrors;
-  for (const values::StoredRun& run : gaps) used += run.bytes + kChunkHeaderBytes + values::kMostPlaceBytes;
-  const std::size_t room = max_bytes > used ? max_bytes - used : 1;
-  if (room == 1 || protection.kind == Protection::Kind::none) return room;
-  // The first groups are small and have more parity than the others.
-  const bool equal = protection.kind == Protection::Kind::equal;
-  const double all = static_cast<double>(room),
-               of_first = equal ? std::min(4000.0, all / 2) : std::min(1500.0, all / 4);
-  return std::max<std::size_t>(1, static_cast<std::size_t>((all - of_first) / (1 + parity_share(protection))));
-}
-
-void set_errors(std::vector<ValueError> errors, std::size_t before, float rounding, ValueGrid& grid) {
-  for (ValueError error : errors) {
-    const auto unit = static_cast<float>(std::abs(grid.unit));
-    error.chunks += static_cast<std::uint32_t>(before);
-    error.most = error.most * unit + rounding;
-    error.rms = std::hypot(error.rms * unit, rounding / std::sqrt(3.0f));
-    grid.errors.push_back(error);
-  }
-}
-
-/// Component of a volume while it is encoded.
-struct EncodedComponent {
-  ValueGrid grid;
-  values::ComponentParts parts;
-  std::pair<float, float> range{0, 0};
-};
-
-// Encodes one component into a store. `header` has everything but its grid.
-std::variant<EncodedComponent, EncodeError> encode_component(const VolumeSource& source, StreamHeader header,
-                                                             const EncodeOptions& options, SpillStore& store,
-                                                             Progress* progress) {
-  auto sampled = values::sample_volume(source, options.tolerance, progress);
-  if (auto* problem = std::get_if<EncodeError>(&sampled)) return std::move(*problem);
-  auto& volume = std::get<SampledVolume>(sampled);
-  const VolumeLayout& layout = source.layout;
-  EncodedComponent made;
-  made.range = volume.value_range;
-  made.grid = volume.grid;
-  header.grid = volume.grid;
-  header.description = describe(source, made.range, options);
-  header.cube = Cube::around(header.description.box);
-  ValueGrid& grid = made.grid;
-  values::ComponentParts& parts = made.parts;
-  if (!sound(grid))
-    return EncodeError{"the voxels are too many, too large or too far apart; expected at most 2^31 voxels"};
-  values::SampleReader reader(source, volume, options.threads);
-  if (grid.gaps)
-    if (auto problem = encode_gaps(reader, layout, store, parts.gaps, progress)) return std::move(*problem);
-  const std::size_t before = parts.gaps.size();
-  values::ValuesLimit limit{volume.most_error, 0};
-  if (options.max_bytes != 0)
-    limit.max_bytes = room_for_clusters(header, parts.gaps, options.max_bytes, values_protection(options));
-  auto encoding =
-      values::encode_values([&](std::uint32_t first, std::uint32_t count,
-                                values::SampleBatch& batch) { return reader.read(first, count, false, batch); },
-                            layout.dimensions, limit, store, options.threads, progress);
-  if (auto* problem = std::get_if<EncodeError>(&encoding)) return std::move(*problem);
-  auto& encoded = std::get<values::EncodedValues>(encoding);
-  parts.clusters = std::move(encoded.clusters);
-  set_errors(std::move(encoded.errors), before, volume.rounding, grid);
-  if (grid.exact) {
-    if (auto problem = encode_codes(reader, layout, grid, store, parts.remainders, progress))
-      return std::move(*problem);
-    grid.errors.back().most = volume.rounding;
-  } else if (!encoded.corrections.empty()) {
-    parts.remainders = std::move(encoded.corrections);
-    grid.correction = values::correction_step(volume.most_error);
-  }
-  if (!parts.remainders.empty() || grid.exact) {
-    const auto end = static_cast<std::uint32_t>(before + parts.clusters.size() + parts.remainders.size());
-    if (!grid.exact)
-      grid.errors.back().chunks = end;
-    else if (grid.errors.back().chunks < end)
-      grid.errors.push_back({end, 0, 0});
-    else
-      grid.errors.back() = {end, 0, 0};  // all remainders are 0
-  }
-  parts.weight = grid.unit * grid.unit;
-  return made;
 }
 
 }  // namespace
 
 std::variant<EncodedStream, EncodeError> encode_values(const VolumeSource& source, const EncodeOptions& options,
                                                        Progress* progress) {
-  const std::span<const VolumeSource> sources =
-      source.components.empty() ? std::span(&source, 1) : std::span(source.components);
-  if (sources.size() > kMaxValueComponents)
-    return EncodeError{"each voxel has " + std::to_string(sources.size()) + " numbers; expected at most " +
+  if (source.components.size() > kMaxValueComponents)
+    return EncodeError{"each voxel has " + std::to_string(source.components.size()) + " numbers; expected at most " +
                        std::to_string(kMaxValueComponents) + ", or --component with one of them"};
+  if (auto problem = check_steps(source)) return std::move(*problem);
+  const std::span<const VolumeSource> steps = source.steps.empty() ? std::span(&source, 1) : std::span(source.steps);
+  std::vector<values::ComponentPlan> plans;
+  for (const VolumeSource& step : steps) {
+    auto planned = values::plan_components(step, options.tolerance,
+                                           // With a limited size, differences are worth it: most of them are small.
+                                           !plans.empty()           ? std::optional(plans.front().luma)
+                                           : options.max_bytes != 0 ? std::optional(true)
+                                                                    : std::nullopt);
+    if (auto* problem = std::get_if<EncodeError>(&planned)) return std::move(*problem);
+    plans.push_back(std::move(std::get<values::ComponentPlan>(planned)));
+  }
+  const values::ComponentPlan& plan = plans.front();
+  const std::size_t count = plan.components.size();
   MemoryStore memory;
   SpillStore& store = options.spill ? *options.spill : memory;
   StreamHeader header;
   header.kind = Kind::volume;
   header.payload = Payload::values;
-  std::vector<values::ComponentParts> parts;
+  if (!source.steps.empty()) header.steps = {source.times, std::vector<std::uint32_t>(steps.size() * count, 0)};
+  std::vector<values::ComponentParts> parts(steps.size() * count);
   std::pair<float, float> range{0, 0};
-  for (const VolumeSource& one : sources) {
-    auto made = encode_component(one, header, options, store, progress);
+  for (std::size_t c = 0; c < count; ++c) {
+    EncodeOptions own = options;
+    own.tolerance = plan.components[c].tolerance;
+    std::vector<VolumeSource> sources;
+    for (const values::ComponentPlan& step : plans) sources.push_back(step.components[c].source);
+    auto made = values::encode_component(sources, header, count == 1, own, store, progress);
     if (auto* problem = std::get_if<EncodeError>(&made)) return std::move(*problem);
-    auto& component = std::get<EncodedComponent>(made);
-    component.grid.components = static_cast<std::uint16_t>(sources.size());
-    const bool first = parts.empty();
-    range =
-        first ? component.range
-              : std::pair(std::min(range.first, component.range.first), std::max(range.second, component.range.second));
-    if (first)
+    auto& component = std::get<values::EncodedComponent>(made);
+    component.grid.components = static_cast<std::uint16_t>(count);
+    if (plan.colors) component.grid.stored = VoxelType::u8;
+    range = c == 0 ? component.range
+                   : std::pair(std::min(range.first, component.range.first),
+                               std::max(range.second, component.range.second));
+    for (std::size_t s = 0; s < steps.size(); ++s) {
+      values::ComponentParts& own_parts = parts[s * count + c];
+      own_parts = std::move(component.steps[s]);
+      if (plan.components[c].weight > 0) own_parts.weight = plan.components[c].weight;
+      if (count == 1) own_parts.weight = 1;
+      if (!header.steps.chunks.empty()) header.steps.chunks[s * count + c] = own_parts.chunks();
+    }
+    if (c == 0)
       header.grid = std::move(component.grid);
     else
       header.more_grids.push_back(std::move(component.grid));
-    parts.push_back(std::move(component.parts));
   }
-  if (sources.size() == 1) parts.front().weight = 1;
-  header.description = describe(sources.front(), range, options);
+  header.description = describe(plan.components.front().source, plan.colors ? kColorRange : range, options);
+  if (plan.colors) header.description.transfer = color_transfer();
+  header.grid.colors = plan.colors;
+  header.grid.luma = plan.luma;
   header.cube = Cube::around(header.description.box);
   const ValueGrid grid = header.grid;
   return write_values(std::move(header), values::ValuesChunks(grid, store, parts), options, "values");

@@ -53,8 +53,11 @@ std::shared_ptr<const VolumeGrid> grid_with_parts() {
   const auto source =
       test::volume_of(layout, [](std::uint32_t x, std::uint32_t y, std::uint32_t z) { return field(x, y, z); });
   // One part of four times the resolution inside of one of twice the resolution.
-  auto made = VolumeGrid::take(source, nullptr, own_budget(), VolumeGrid::kMaxVoxels, {},
-                               {part_of(0, 4, {32, 32, 32}, 16), part_of(1, 2, {16, 16, 16}, 16)});
+  qnv::VolumeValues about;
+  about.level = 2;
+  about.whole = {128, 127, 126};
+  about.bricks = {part_of(0, 4, {32, 32, 32}, 16), part_of(1, 2, {16, 16, 16}, 16)};
+  auto made = VolumeGrid::take(source, nullptr, own_budget(), VolumeGrid::kMaxVoxels, &about);
   REQUIRE(std::holds_alternative<std::shared_ptr<const VolumeGrid>>(made));
   return std::get<0>(made);
 }

@@ -92,7 +92,7 @@ TEST_CASE("values: Lines of coefficients keep magnitude and sign, and get the mi
       if (i % 3 == 0) from[0] = 0;
       std::vector<std::uint32_t> signed_sizes(count);
       values::load_line(from.data(), count, signed_sizes.data());
-      values::write_line(signed_sizes.data(), count, 5, back.data());
+      values::add_line(signed_sizes.data(), count, 5, back.data());
       for (std::uint32_t x = 0; x < count; ++x) {
         const auto value = std::int64_t{from[x]};
         CHECK(signed_sizes[x] >> 31 == (value < 0 ? 1u : 0u));

@@ -102,7 +102,7 @@ TEST_CASE("values: The clusters are those of blocks of the whole transform") {
     for (std::uint32_t i = 0; i < layout.count(); ++i) {
       const values::BlockPlace place = layout.place(i);
       values::BlockEncoder encoder;
-      encoder.encode(i, place, bands_in_volume(place, whole, extent), 0);
+      encoder.encode(i, place, bands_in_volume(place, whole, extent), values::CodedPlanes{});
       const auto expected = encoder.take();
       for (const values::StoredCluster& one : expected.clusters) {
         const auto same = std::ranges::find_if(encoded->clusters, [&](const values::Cluster& cluster) {

@@ -1,4 +1,4 @@
-#include "qnv/codecs/values/bricks/gap_runs.h"
+#include "qnv/codecs/values/bricks/received/gap_runs.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "qnv/codecs/values/bricks/cluster_chunks.h"
+#include "qnv/codecs/values/bricks/received/cluster_chunks.h"
 
 #include <algorithm>
 #include <utility>
@@ -19,25 +19,6 @@ bool ClusterChunks::note(std::uint64_t block, const ClusterPlace& place) {
   return true;
 }
 
-void ClusterChunks::keep(std::uint64_t block, std::uint64_t offset, std::span<const std::byte> payload) {
-  const auto [at, fresh] = kept_.try_emplace(offset);
-  if (!fresh) return;
-  at->second = {block, {payload.begin(), payload.end()}};
-  bytes_ += payload.size();
-  dropped_.erase(offset);
-}
-
-void ClusterChunks::trim(const std::function<bool(std::uint64_t block)>& used) {
-  // The last chunks of the stream are the finest, so they go first.
-  for (auto at = kept_.end(); bytes_ > most_bytes_ && at != kept_.begin();) {
-    --at;
-    if (used(at->second.block)) continue;
-    bytes_ -= at->second.payload.size();
-    dropped_.insert(at->first);
-    at = kept_.erase(at);
-  }
-}
-
 std::span<const ClusterPlace> ClusterChunks::of(std::uint64_t block) const {
   const auto found = places_.find(block);
   if (found == places_.end()) return {};
@@ -47,10 +28,15 @@ std::span<const ClusterPlace> ClusterChunks::of(std::uint64_t block) const {
   return std::span(all).first(count);
 }
 
+std::size_t ClusterChunks::known(std::uint64_t block) const {
+  const auto found = places_.find(block);
+  return found != places_.end() ? found->second.size() : 0;
+}
+
 std::optional<Cluster> ClusterChunks::read(const ClusterPlace& place) const {
   if (!source_) {
-    const auto found = kept_.find(place.offset);
-    return found != kept_.end() ? parse_cluster(found->second.payload) : std::nullopt;
+    const std::vector<std::byte>* const payload = kept_.find(place.offset);
+    return payload ? parse_cluster(*payload) : std::nullopt;
   }
   thread_local std::vector<std::byte> buffer;
   const auto chunk = read_chunk(*source_, place.offset, place.bytes, buffer);

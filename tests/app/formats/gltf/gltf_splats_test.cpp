@@ -1,0 +1,150 @@
+#include "app/formats/gltf/gltf_splats.h"
+
+#include "app/formats/content_types.h"
+#include "app/formats/export/export.h"
+
+#include <catch2/catch.hpp>
+
+#include <glm/geometric.hpp>
+
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace gs::app {
+namespace gltf_splats_test {
+
+struct Read {
+  Asset asset;
+  Diagnostics diagnostics;
+  [[nodiscard]] const qnv::Gaussians& gaussians() const {
+    for (const Diagnostic& one : diagnostics.entries()) UNSCOPED_INFO(one.text());
+    REQUIRE(std::holds_alternative<qnv::Gaussians>(asset));
+    return std::get<qnv::Gaussians>(asset);
+  }
+};
+
+Read read(std::span<const std::byte> bytes) {
+  Read result;
+  const std::string path = "a.glb";
+  result.asset = read_gltf_splats({bytes, path, {}, own_budget(), result.diagnostics});
+  return result;
+}
+
+qnv::Gaussians cloud(int degree) {
+  qnv::Gaussians splats;
+  splats.degree = degree;
+  for (int i = 0; i < 40; ++i) {
+    const auto t = static_cast<float>(i);
+    splats.positions.emplace_back(std::sin(t), 0.1f * t, std::cos(2 * t));
+    splats.normals.emplace_back(0, 0, 1);
+    splats.weights.push_back(0.01f);
+    splats.colors.push_back({10, 200, static_cast<std::uint8_t>(i)});
+    splats.scales.emplace_back(0.05f + 0.01f * t, 0.03f, 0.02f);
+    splats.rotations.push_back(glm::normalize(glm::vec4(0.1f * t, 0.4f, -0.2f, 1)));
+    splats.opacities.push_back(0.2f + 0.01f * t);
+    splats.bases.emplace_back(0.5f, 0.02f * t, 0.9f);
+    for (std::size_t k = 0; k < qnv::harmonic_count(degree); ++k)
+      splats.harmonics.emplace_back(0.01f * static_cast<float>(k), -0.02f, 0.005f * t);
+    splats.description.box.add(splats.positions.back());
+  }
+  return splats;
+}
+
+std::vector<std::byte> glb_of(const qnv::Gaussians& splats) {
+  const Exported made = export_glb_splats(splats, {});
+  REQUIRE(std::holds_alternative<std::vector<std::byte>>(made));
+  return std::get<std::vector<std::byte>>(made);
+}
+
+/// Replaces a text of the JSON chunk by one of the same length.
+std::vector<std::byte> with(std::vector<std::byte> bytes, const std::string& before, const std::string& after) {
+  REQUIRE(before.size() == after.size());
+  std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::size_t at = text.find(before);
+  REQUIRE(at != std::string::npos);
+  for (std::size_t i = 0; i < after.size(); ++i) bytes[at + i] = static_cast<std::byte>(after[i]);
+  return bytes;
+}
+
+void check_near(const glm::vec3& a, const glm::vec3& b) { CHECK(glm::length(a - b) < 1e-4f); }
+
+TEST_CASE("reads the Gaussians of a glTF as they were exported") {
+  for (const int degree : {0, 1, 3}) {
+    const qnv::Gaussians splats = cloud(degree);
+    const auto bytes = glb_of(splats);
+    CHECK(is_gltf_splats(first_bytes(bytes)));
+    CHECK(content_type_of("a.glb", first_bytes(bytes)).name == "glTF splats");
+    const Read result = read(bytes);
+    const qnv::Gaussians& found = result.gaussians();
+    CHECK(result.diagnostics.entries().empty());
+    REQUIRE(found.size() == splats.size());
+    CHECK(found.degree == degree);
+    REQUIRE(found.harmonics.size() == splats.harmonics.size());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      check_near(found.positions[i] + glm::vec3(found.description.origin), splats.positions[i]);
+      check_near(found.scales[i], splats.scales[i]);
+      CHECK(std::abs(glm::dot(found.rotations[i], splats.rotations[i])) == Approx(1).margin(1e-5));
+      CHECK(found.opacities[i] == Approx(splats.opacities[i]));
+      check_near(found.bases[i], splats.bases[i]);
+    }
+    for (std::size_t i = 0; i < found.harmonics.size(); ++i) check_near(found.harmonics[i], splats.harmonics[i]);
+  }
+}
+
+TEST_CASE("places the splats of a glTF by the transformation of their node") {
+  qnv::Gaussians splats = cloud(1);
+  auto bytes = glb_of(splats);
+  // A quarter turn about z and a scale of 2, in the place of the name.
+  const Exported named = export_glb_splats(splats, {.title = std::string(60, 'n')});
+  bytes = std::get<std::vector<std::byte>>(named);
+  const std::string before = "\"name\":\"" + std::string(60, 'n') + "\"";
+  std::string after = R"("rotation":[0,0,0.70710678,0.70710678],"scale":[2,2,2])";
+  after.resize(before.size(), ' ');
+  bytes = with(bytes, before, after);
+  const Read result = read(bytes);
+  const qnv::Gaussians& found = result.gaussians();
+  REQUIRE(found.size() == splats.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const glm::vec3 p = splats.positions[i];
+    check_near(found.positions[i] + glm::vec3(found.description.origin), {-2 * p.y, 2 * p.x, 2 * p.z});
+    check_near(found.scales[i], 2.0f * splats.scales[i]);
+    // The degree 1 harmonics are -y, z, -x: y becomes x, and x becomes -y.
+    const glm::vec3* const h = &splats.harmonics[3 * i];
+    check_near(found.harmonics[3 * i], h[2]);
+    check_near(found.harmonics[3 * i + 1], h[1]);
+    check_near(found.harmonics[3 * i + 2], -h[0]);
+  }
+}
+
+TEST_CASE("reports splats of a glTF that it cannot read") {
+  const auto bytes = glb_of(cloud(0));
+  const auto message = [](const std::vector<std::byte>& of) {
+    const Read result = read(of);
+    CHECK(std::holds_alternative<std::monostate>(result.asset));
+    REQUIRE_FALSE(result.diagnostics.entries().empty());
+    return result.diagnostics.entries().front().text();
+  };
+  CHECK(message(with(bytes, "KHR_gaussian_splatting:SCALE", "KHR_gaussian_splatting:SCALX")) ==
+        "a.glb: error: splats: KHR_gaussian_splatting:SCALE: is missing");
+  CHECK(message(with(bytes, "\"count\":40", "\"count\":99")).starts_with("a.glb: error: splats: "));
+  const Read kernel = read(with(bytes, "\"ellipse\"", "\"elliXXX\""));
+  CHECK(kernel.gaussians().size() == 40);
+  CHECK(kernel.diagnostics.entries().front().message == "splats with the kernel 'elliXXX' are drawn as ellipses");
+  for (std::size_t size = 0; size < bytes.size(); size += 97) (void)read(std::span(bytes).first(size));
+  std::uint32_t random = 3;
+  for (int turn = 0; turn < 2000; ++turn) {
+    auto changed = bytes;
+    for (int i = 0; i < 3; ++i) {
+      random = random * 1664525 + 1013904223;
+      changed[(random >> 8) % changed.size()] = static_cast<std::byte>(random >> 3);
+    }
+    (void)read(changed);
+  }
+}
+
+}  // namespace gltf_splats_test
+}  // namespace gs::app
