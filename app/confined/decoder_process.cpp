@@ -1,6 +1,6 @@
 #include "app/confined/decoder_process.h"
 
-#include "app/base/environment.h"
+#include "app/base/child_process.h"
 
 #include <algorithm>
 #include <array>
@@ -11,54 +11,11 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <spawn.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 namespace gs::app {
-namespace {
-
-// Descriptors that the child must get under these numbers, in this order.
-using Given = std::array<std::pair<int, int>, 3>;
-
-// Starts the program with standard error and the given descriptors only. posix_spawn does not copy this process.
-pid_t spawn(const std::string& program, DecoderKind kind, const Given& given) {
-  posix_spawn_file_actions_t actions;
-  posix_spawnattr_t attributes;
-  if (::posix_spawn_file_actions_init(&actions) != 0) return 0;
-  if (::posix_spawnattr_init(&attributes) != 0) {
-    (void)::posix_spawn_file_actions_destroy(&actions);
-    return 0;
-  }
-  sigset_t none;
-  sigemptyset(&none);
-  sigset_t standard;
-  sigemptyset(&standard);
-  sigaddset(&standard, SIGPIPE);
-  bool good = ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF) == 0 &&
-              ::posix_spawnattr_setsigmask(&attributes, &none) == 0 &&
-              ::posix_spawnattr_setsigdefault(&attributes, &standard) == 0 &&
-              ::posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0) == 0 &&
-              ::posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0) == 0;
-  for (const auto& [from, to] : given) good = good && ::posix_spawn_file_actions_adddup2(&actions, from, to) == 0;
-  good = good && ::posix_spawn_file_actions_addclosefrom_np(&actions, kDecoderResult + 1) == 0;
-  std::string name = program, argument(kDecoderArgument), kind_name(name_of(kind));
-  std::array<char*, 4> arguments{name.data(), argument.data(), kind_name.data(), nullptr};
-  const std::vector<char*> environment = kept_environment();
-  pid_t child = 0;
-  good =
-      good && ::posix_spawn(&child, program.c_str(), &actions, &attributes, arguments.data(), environment.data()) == 0;
-  (void)::posix_spawnattr_destroy(&attributes);
-  (void)::posix_spawn_file_actions_destroy(&actions);
-  return good ? child : 0;
-}
-
-// Copies a descriptor above those of the child, so that none is overwritten before it is copied.
-net::Descriptor copy_above(int file) { return net::Descriptor(::fcntl(file, F_DUPFD_CLOEXEC, kDecoderResult + 1)); }
-
-}  // namespace
-
 DecoderProcess::DecoderProcess(const std::string& program, DecoderKind kind, int file) { start(program, kind, file); }
 
 DecoderProcess::~DecoderProcess() { (void)end(); }
@@ -69,12 +26,8 @@ void DecoderProcess::start(const std::string& program, DecoderKind kind, int fil
   if (!input || !result || ::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) return;
   net::Descriptor own(ends[0]);
   const net::Descriptor others(ends[1]);
-  const net::Descriptor socket_end = copy_above(others.get()), input_end = copy_above(file >= 0 ? file : input->file()),
-                        result_end = copy_above(result->file());
-  if (!socket_end || !input_end || !result_end) return;
-  child_ = spawn(
-      program, kind,
-      {{{socket_end.get(), kDecoderSocket}, {input_end.get(), kDecoderInput}, {result_end.get(), kDecoderResult}}});
+  const std::array<int, 3> given = {others.get(), file >= 0 ? file : input->file(), result->file()};
+  child_ = start_child(program, {std::string(kDecoderArgument), std::string(name_of(kind))}, given);
   socket_ = std::move(own);
   input_ = std::move(*input);
   result_ = std::move(*result);
