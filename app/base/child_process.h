@@ -8,9 +8,9 @@
 
 namespace gs::app {
 
-/// Starts a program as a child process without copying this process. Its standard input and output are /dev/null. Of
-/// the descriptors of this process it gets standard error, and `given` under the numbers from 3 on. Its environment has
-/// no secrets (environment.h). Returns 0 on failure.
+/// Starts a program as a child process without copying this process. Its standard input and output are /dev/null. It
+/// inherits standard error, and the descriptors `given` under the numbers from 3 on. Its environment has no secrets
+/// (environment.h). Returns 0 on failure.
 [[nodiscard]] pid_t start_child(const std::string& program, std::vector<std::string> arguments,
                                 std::span<const int> given);
 

@@ -34,9 +34,8 @@ struct ConfinementSupport {
 /// seccomp allows only the calls of system_calls.h; Landlock allows no file. Skips features that the kernel lacks.
 /// Returns an error as confine() does. Call it after libraries are loaded, while only one thread runs.
 [[nodiscard]] std::optional<std::string> confine_decoder();
-/// Confines this process permanently to running programs of worlds: as confine_decoder(), but memory may become
-/// executable, because the engine compiles programs. Threads that exist already keep their access to files as far as
-/// seccomp allows it, which is none.
+/// Confines this process permanently, as confine_decoder() does. But memory may become executable, because the engine
+/// compiles programs. For threads that exist already, only seccomp prevents access to files.
 [[nodiscard]] std::optional<std::string> confine_programs();
 
 }  // namespace gs::app

@@ -106,7 +106,7 @@ int run_encode(const EncodeCommand& options) {
     if (const auto refusal = refuse_to_replace(out, step, qnv::encode_header({}))) return fail(*refusal);
   ProgressBar progress;
   progress.whole().stage = "reading";
-  if (steps.empty()) return fail(in + ": no files have this name with a number");
+  if (steps.empty()) return fail(in + ": no file name matches this numbered pattern");
   const auto input = steps.size() > 1 ? open_steps(options, steps) : open_input(options, steps.front());
   if (!input) return kFailed;
   auto begun = net::AtomicFile::begin(out);

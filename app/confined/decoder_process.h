@@ -37,7 +37,7 @@ class DecoderProcess : NonCopyable {
   [[nodiscard]] bool load(std::span<const std::byte> bytes, std::span<const std::byte> more = {});
   /// Copies bytes to the memory for results, for a child that asked for them. Returns false if memory is insufficient.
   [[nodiscard]] bool put_result(std::span<const std::byte> bytes);
-  /// Takes the bytes that an answer announces, at most `most`, or its error.
+  /// Returns the bytes that an answer announces, or its error. Fails if there are more than `most`.
   [[nodiscard]] std::variant<std::vector<std::byte>, render::ImageError> take_bytes(const DecodeAnswer& answer,
                                                                                     const Stopped& stopped,
                                                                                     std::chrono::milliseconds patience,
@@ -55,7 +55,7 @@ class DecoderProcess : NonCopyable {
   [[nodiscard]] std::span<const std::byte> results(std::size_t bytes);
   /// Reports whether the child can decode more.
   [[nodiscard]] bool good() const { return child_ > 0; }
-  /// Reports whether the child runs. One that ended is of no more use (see good()).
+  /// Reports whether the child still runs. If it has ended, good() returns false, too.
   [[nodiscard]] bool runs();
   [[nodiscard]] pid_t process() const { return child_; }
 

@@ -51,9 +51,9 @@ class EndWatch : NonCopyable {
   std::thread thread_;
 };
 
-/// Look at the user's wishes while the session's thread waits for Scripts, as long as the object exists. If
-/// `is_asked_to_stop` returns true, the programs of that world end at once, and the session goes on without them. Calls
-/// it on the thread that waits, about 50 times a second. Only one object may exist at a time.
+/// Guard that lets the user stop Scripts while the session's thread waits for them. Calls `is_asked_to_stop` on that
+/// thread, about 50 times a second. If it returns true, the programs of that world end at once, and the session
+/// continues. Only one object may exist at a time.
 class ScriptStop : NonCopyable {
  public:
   explicit ScriptStop(std::function<bool()> is_asked_to_stop);

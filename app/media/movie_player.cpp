@@ -10,14 +10,14 @@
 
 namespace gs::app {
 
-/// State of a player's decoder. Only the decoding thread uses `movie`, `opened` and `decoded_problem`; MoviePlayers::mutex_ guards the
-/// other members.
+/// State of a player's decoder. Only the decoding thread uses `movie`, `opened` and `decoded_problem`.
+/// MoviePlayers::mutex_ guards the other members.
 struct MoviePlayers::Player::Decoder {
   std::unique_ptr<MovieSource> movie;
   bool opened = false;
   double wanted = -1, done = -1;  // seconds of movie time
   bool busy = false;
-  std::string problem, decoded_problem;  // not taken yet; of the decoding thread, not handed over yet
+  std::string problem, decoded_problem;  // for take_problem(); new one of the decoding thread, not published yet
   std::optional<render::Movie::Frame> ready;
   double ready_time = -1;  // requested movie time of the picture decoded last
 

@@ -27,7 +27,7 @@ class PostedEvents {
   /// Applies the stored addChildren and removeChildren events of a node to `value`, the value of the interface `place`.
   void apply_to_children(const NodeRef& node, const vrml::NodeType& type, std::uint32_t place,
                          vrml::FieldValue& value) const;
-  /// Removes the events. Tells the world the changed values of `program`, its eventOuts and the events.
+  /// Sends the changed values, the eventOuts of `program` and the stored events to the world. Removes these events.
   void send_all(Program& program);
 
  private:

@@ -53,7 +53,7 @@ class RangedStream {
   [[nodiscard]] bool has_directory() const { return has_directory_; }
   /// Returns true if the stream is complete, failed or cancelled.
   [[nodiscard]] bool over() const { return over_; }
-  /// Returns true if no requested data is awaited.
+  /// Reports whether no request is pending.
   [[nodiscard]] bool rests() const { return !directory_request_ && open_.empty(); }
 
  private:

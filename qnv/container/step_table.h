@@ -10,7 +10,7 @@ namespace gs::qnv {
 
 /// Maximum number of steps of a time series, and of steps times components.
 inline constexpr std::size_t kMaxSteps = 4096, kMaxStepComponents = 16384;
-/// Number of steps of a chain: steps with a multiple of it as number do not depend on earlier ones.
+/// Number of steps of a chain. Steps with a number that is a multiple of it do not depend on earlier steps.
 inline constexpr std::size_t kChainSteps = 8;
 
 /// Steps of a time series of volumes. FORMAT.md, "Time series".

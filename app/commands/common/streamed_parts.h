@@ -7,8 +7,8 @@
 
 namespace gs::app {
 
-/// Receives what the streams of a world lack for one picture, if views choose their parts. `draw` draws the picture, or
-/// does as if. Each time, the streams note what they lack. Warns if the streams fail, or after `seconds`.
+/// Receives the data that one picture needs from streams with parts chosen by views. `draw` draws the picture, or only
+/// simulates drawing it. Each call lets the streams note their missing parts. Warns on failures, or after `seconds`.
 void receive_for_picture(WorldLoading& loading, const LoadedWorld& world, double seconds,
                          const std::function<void()>& draw);
 

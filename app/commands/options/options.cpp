@@ -228,8 +228,8 @@ constexpr OptionRow kOptions[] = {
      "open animate trace ", with<set_size>},
     {"--time", "SECONDS|N", "0",
      "draw the picture after this simulated time, in steps of at most 1/60 s. The simulated clock starts at 946684800, "
-     "which is 2000-01-01T00:00:00Z. Of a time series of volumes, read the step with this number from 0, or with the "
-     "nearest time if there is a decimal point",
+     "which is 2000-01-01T00:00:00Z. For a time series of volumes, read the step with this number, from 0. With a "
+     "decimal point, read the step with the nearest time",
      "open animate encode export info ", with<set_time>},
     {"--until", "SECONDS", "", "end after this simulated time", "trace ", with<set_until>},
     {"--sound", "FILE.wav", "", "write the sound of the simulated time, at most one hour", "open trace ",

@@ -83,8 +83,8 @@ struct StoredVoxels {
 /// invalid.
 [[nodiscard]] VolumeResult make_source(qnv::VolumeLayout layout, StoredVoxels voxels);
 
-/// Creates the source of a time series of volumes, which follow each other. If the component chooses a step, returns
-/// only that one. With fewer than two times, or for labels, otherwise like make_source().
+/// Creates the source of a time series from consecutive volumes. If the component chooses a step, returns only that
+/// step. For labels, or with fewer than two times, returns make_source().
 [[nodiscard]] VolumeResult make_series(const qnv::VolumeLayout& layout, const StoredVoxels& voxels,
                                        std::vector<double> times);
 

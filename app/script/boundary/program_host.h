@@ -26,7 +26,7 @@ struct ProgramFacts {
   int faults = 0;            // of earlier programs of the Script
 };
 
-/// Reports whether a declaration is one that every Script has, and that is no name of its program.
+/// Reports whether every Script has this declaration. It is then not a name in the program.
 [[nodiscard]] bool is_own_field_of_script(vrml::Language language, const vrml::InterfaceDeclaration& declaration);
 
 struct Order {

@@ -118,7 +118,7 @@ struct Notice {
 };
 inline constexpr int kNoticeCount = static_cast<int>(Notice::Kind::post) + 1;
 
-/// World, as its programs see it. Calls are in the name of the program that the world runs.
+/// Interface of a world to its programs. Each call acts for the program that is running.
 class WorldAccess : NonCopyable {
  public:
   virtual ~WorldAccess() = default;

@@ -29,9 +29,8 @@ struct ChannelMemory {
   std::atomic<std::int32_t> world_processor, programs_processor;  // 1 + number of the processor on which each side ran
 };
 
-/// End of a channel between a world and the process of its programs. A process that waits first looks for some
-/// microseconds, unless the other one needs its processor, then sleeps. Trusts nothing that the other process writes.
-/// One thread.
+/// End of a channel between a world and the process of its programs. To wait, it polls for some microseconds, unless
+/// the other process needs its processor, then sleeps. Trusts nothing that the other process writes. One thread.
 class Channel : NonCopyable {
  public:
   enum class Side : std::uint8_t { world, programs };

@@ -22,7 +22,7 @@ class ScriptMessages {
   /// Adds a line that a program printed.
   void print(std::string text);
   void report(Diagnostic problem);
-  /// Reports a problem of a program, at the position `at`. What `at` lacks is the file or the position of its Script.
+  /// Reports a problem of a program at the position `at`. If `at` lacks the file or the position, uses the Script's.
   void report(Severity severity, const ScriptRecord& script, std::string message, std::optional<Diagnostic> at = {});
   /// Reports the first write of a program to another node, if its Script has directOutput FALSE.
   void report_direct_output(ScriptRecord& script);

@@ -18,8 +18,8 @@ class StepContent : NonCopyable {
  public:
   using Shared = std::shared_ptr<const qnv::Geometry>;
 
-  /// Returns the newest content for this step, or that of another step until it is there; null if there is none. `of`
-  /// is the geometry that the document shows, which has the series.
+  /// Returns the newest content for the step of `wish`. Until it is ready, returns another step, or null if there is
+  /// none. `of` is the geometry that the document shows, which has the series.
   Shared get(const Shared& of, const qnv::ShownComponent& wish);
   /// Takes content that is ready. Returns true if there is any.
   bool take();

@@ -181,8 +181,8 @@ std::shared_ptr<const VolumeValues> color_values(std::span<const std::shared_ptr
 
 namespace {
 
-// The colour of a vector is the brightest one of its voxel and of so many steps along its normal. The voxel with the
-// steepest change has a mixture with the dark surroundings.
+// Number of voxels along the normal, with its own, from which a vector takes the brightest colour. The colour of the
+// voxel with the steepest change is mixed with dark surroundings.
 constexpr std::uint32_t kColorSteps = 3, kCoarseSteps = 2;
 
 /// Voxel with a colour that a vector may have.

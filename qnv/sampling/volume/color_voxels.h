@@ -67,7 +67,7 @@ class ColorSlices {
 /// that of the components.
 [[nodiscard]] VolumeSource color_source(VolumeLayout layout, const std::shared_ptr<ColorSlices>& slices,
                                         std::size_t components);
-/// Returns the source of colours that the components are.
+/// Returns the source of colours with these components.
 [[nodiscard]] VolumeSource color_source(std::vector<VolumeSource> components);
 
 /// Returns the values of colours from those of the components of a stream. `luma` states that these are brightness and
@@ -75,9 +75,9 @@ class ColorSlices {
 [[nodiscard]] std::shared_ptr<const VolumeValues> color_values(
     std::span<const std::shared_ptr<const VolumeValues>> components, bool luma);
 
-/// Gives each vector the colour of its voxel, or of one of the two after it along the normal that is brighter (of a
-/// coarse volume, only the next one): at the surface of an object, voxels are mixed with dark surroundings. Opacities
-/// reduce weights. Vectors outside of the volume, or in slices that cannot be read, are white. `source` has colours.
+/// Gives each vector the brightest colour of three voxels: its own and the next two along the normal (one if `coarse`).
+/// The reason is that voxels at the surface of an object are mixed with dark surroundings. Opacities reduce weights.
+/// Vectors outside of the volume, or in unreadable slices, become white. `source` has colours.
 void color_vectors(const VolumeSource& source, Volume& volume, bool coarse = false);
 
 }  // namespace gs::qnv

@@ -25,8 +25,8 @@ struct GradientOptions {
 };
 
 /// Returns the gradient vectors of a volume (paper, section 2.1), longest first; vectors of equal length are in the
-/// order of their voxels. Returns label_vectors() for labels. Vectors of colours have them, and opacities of their
-/// brightness. The result does not depend on the number of threads.
+/// order of their voxels. Returns label_vectors() for labels. Vectors of colour volumes have colours, and opacities for
+/// their brightness. The result does not depend on the number of threads.
 /// The position of a vector is the centre of its voxel, its direction that of the gradient (towards higher values), and
 /// its weight the length of the gradient (value per world unit). Its class is the value of the voxel, 0..255 from the
 /// minimum to the maximum of the range. Gradients are central differences in world space; they are one-sided next to

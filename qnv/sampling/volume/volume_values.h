@@ -63,7 +63,7 @@ struct ShownStep {
 struct ShownComponent {
   std::uint32_t index = 0;  // from 0; the last one if it is too large
   bool magnitude = false;   // the length of the vector of all numbers instead
-  bool chosen = false;      // a number of colours, too, which are shown as colours otherwise
+  bool chosen = false;      // show one number even if the voxels are colours
   ShownStep step{};
   friend bool operator==(const ShownComponent&, const ShownComponent&) = default;
 };

@@ -25,7 +25,7 @@ constexpr double kVectorBytes = 28 + 41 + 32;
 constexpr double kCoefficientBytes = 2;
 // Factor of the wish for bricks in which the transfer function shows nothing.
 constexpr double kHiddenFactor = 1.0 / 64;
-// Factor of the wish for bricks that a slice shows: three levels.
+// Priority factor of bricks that a slice shows. They count as three levels coarser.
 constexpr double kSliceFactor = 8;
 
 struct Wish {

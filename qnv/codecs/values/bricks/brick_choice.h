@@ -57,10 +57,10 @@ struct BrickChoice {
   std::span<const LodView> views;
   std::size_t most_bytes = 0;  // estimated memory of all bricks, with all that comes from them
 };
-/// Chooses the bricks that the views need, most wanted first. A brick is wanted if it is in a view, has vectors or
-/// touches a slice, and if its samples are nearer than the pixels there. Those of slices come first, and those without
-/// visible vectors last. Those with larger voxels of the next coarser level on the screen precede the others, so that a
-/// brick follows the one that contains it. The choice depends on nothing else.
+/// Chooses the bricks that the views need, most wanted first. A view needs a brick inside of it if the next coarser
+/// level is too coarse there, and if the brick has vectors or touches a slice. Bricks come first where the coarser
+/// voxels are larger on the screen. Slices count as larger, and parts without visible vectors as smaller. So a brick
+/// follows the one that contains it. The choice depends on nothing else.
 [[nodiscard]] std::vector<BrickName> choose_bricks(const BrickChoice& choice);
 
 /// Reports whether a slice goes through a box, or is at most `margin` away.

@@ -71,7 +71,7 @@ BrickDecoder::BrickDecoder(const StreamHeader& header, const BrickLimits& limits
       decoder_(make_values_decoder(header, limits.base_vectors)) {
   GeometryBase base{header.description, header.color};
   base_volume_ = shown_ = std::make_shared<const Volume>(std::move(base));
-  // The coarse level gets only its own chunks, so that what the header states about prefixes does not hold.
+  // The coarse level gets only its own chunks, so the header's errors of prefixes do not hold for it.
   decoder_->leave_order();
   base_.limits = values::sample_limits(header.description.value_range, header.grid.unit, header.grid.zero);
 }
@@ -133,7 +133,7 @@ bool BrickDecoder::has_final_base() const {
   if (!decoder_) return base_.final;
   const std::vector<ValueError>& errors = header_.grid.errors;
   const DecodeCount count = decoder_->count();
-  // If the coarse level is the coarsest one, its only block is also that of a brick.
+  // If the coarse level is the coarsest one, its only block also belongs to a brick. Count it once.
   const std::size_t twice = is_fine(0) ? chunks_.known(0) : 0;
   return !errors.empty() && base_known_.size() + chunks_.count() - twice + remainders_.count() >= errors.back().chunks &&
          base_taken_.size() == base_known_.size() && count.refused == 0 && !count.full;
@@ -237,7 +237,7 @@ void BrickDecoder::choose(std::span<const LodView> views) {
   needs_ = {};
   runs_.clear();
   if (!whole_base_) return;
-  // While the coarse level arrives, bricks would be made again for each part of it, beside the memory of its decoder.
+  // Wait for most of the coarse level: each part of it would change all bricks, and its decoder still uses memory.
   constexpr std::size_t kParts = 20;
   if (!source_ && has_places_ && kParts * base_taken_.size() < (kParts - 1) * base_known_.size()) return;
   needs_.chosen = values::choose_bricks({layout_, levels_, base_.shares, views, limits_.brick_bytes});
@@ -302,7 +302,7 @@ std::shared_ptr<const Volume> BrickDecoder::decode(std::span<const LodView> view
   return shown_;
 }
 
-// Makes the volume to draw. Without `with_values`, replaced bricks need not stay as long as the volume is drawn.
+// Makes the volume to draw. With `with_values`, it keeps the samples of its bricks in memory while it is drawn.
 void BrickDecoder::merge(bool with_values) {
   merged_values_ = with_values;
   merged_ = needs_.chosen;

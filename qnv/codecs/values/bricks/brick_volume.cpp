@@ -198,7 +198,7 @@ std::shared_ptr<const Volume> BrickVolume::cut(const LodView& view, bool& pendin
   const bool waits = view.most_decoded == 0;
   if (waits) await(lock);
   if (!working_ && (is_due() || (waits && inbox_.bytes > 0))) {
-    // Nobody draws the former volume while this thread waits for the next one.
+    // The former volume is not drawn while this thread waits for the next one.
     if (waits) shown_.reset();
     run(lock, !waits);
   }

@@ -14,7 +14,7 @@ namespace gs::qnv::values {
 /// Received part of a time series, as far as a step depends on it.
 struct StepState {
   bool complete = false;              // all chunks of the step, and of the earlier ones of its chain
-  std::optional<ValueError> error{};  // that the received prefix of the stream keeps in all steps
+  std::optional<ValueError> error{};  // maximum error of all steps with the received prefix
 };
 
 /// Decoder of one component of a stream of values, or of a step of a time series.

@@ -34,7 +34,7 @@ using values::FoundRun;
 constexpr std::int32_t kMissingNumber = std::numeric_limits<std::int32_t>::min();
 constexpr std::uint32_t kSlicesAtOnce = 8;  // slices that are decoded at once; a multiple of kCubeEdge
 
-/// Steps of a time series of which the last one is decoded, or one volume.
+/// Steps of a time series up to the decoded one, or a single volume.
 using ClusterChain = std::vector<std::shared_ptr<const BlockClusters>>;
 
 /// Runs of one kind, decoded layer by layer.

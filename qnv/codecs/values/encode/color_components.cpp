@@ -24,8 +24,8 @@ constexpr Extent kMeasured{96, 96, 48};
 
 using Planes = std::array<std::vector<std::byte>, 3>;
 
-/// Permitted errors of brightness and of differences, with which those of the colours are at most `error`: a
-/// difference counts half, rounded up.
+/// Permitted errors of brightness and of differences that keep the error of each colour within a limit. A difference
+/// counts half, rounded up.
 struct LumaErrors {
   int brightness = 0, difference = 0;
 };

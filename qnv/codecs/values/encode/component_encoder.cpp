@@ -115,8 +115,8 @@ class ComponentEncoder {
  private:
   [[nodiscard]] bool is_series() const { return steps_.size() > 1; }
   std::optional<EncodeError> encode_step(std::size_t step, const StreamHeader& header, bool alone);
-  /// Orders the clusters of all steps by their use for the steps that refer to them. Keeps those for `max_bytes`, if
-  /// that is not 0.
+  /// Orders the clusters of all steps by their gain in all steps that depend on them. If `max_bytes` is not 0, drops
+  /// the clusters beyond it.
   void order_steps(std::size_t max_bytes);
   std::optional<EncodeError> measure_prefixes();
   void finish_errors();

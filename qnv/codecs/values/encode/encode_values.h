@@ -20,7 +20,7 @@ namespace gs::qnv::values {
 struct ValuesLimit {
   std::uint32_t most_error = 0;  // maximum for every sample; 0 means lossless. Without effect if `max_bytes` is given
   std::size_t max_bytes = 0;     // of all chunks with their directory entries; 0 means unlimited
-  bool alone = true;             // without clusters of other components or steps, which need the order of their ranks
+  bool alone = true;             // no other components or steps; otherwise clusters must be in order of rank
 };
 
 /// Step of a time series, and the decoded steps before it.

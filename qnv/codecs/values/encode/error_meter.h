@@ -18,9 +18,9 @@ class ErrorMeter {
   ErrorMeter(const ReadSamples& read, Extent extent, unsigned threads, Progress* progress)
       : read_(read), extent_(extent), threads_(threads), progress_(progress) {}
 
-  /// Measures the samples that the coefficients of `write` give. If `corrections` is given, it gets the correction
-  /// steps that keep `most_error`, and the result is the error after them. Returns an error if the samples cannot be
-  /// read, or if cancelled. The result has no number of chunks.
+  /// Measures the error of the samples restored from the coefficients of `write`. If `corrections` is given, adds the
+  /// correction steps that keep `most_error`, and measures the error after them. Returns an error if the samples cannot
+  /// be read, or if cancelled. The result has no number of chunks.
   [[nodiscard]] std::variant<ValueError, EncodeError> measure(const SliceRestorer::WriteBlock& write,
                                                               std::uint32_t most_error, RemainderEncoder* corrections);
 

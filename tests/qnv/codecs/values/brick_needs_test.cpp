@@ -142,7 +142,7 @@ TEST_CASE("bricks: Bricks of slices come before others") {
   CHECK(most > 0);
 }
 
-TEST_CASE("bricks: Parts behind a clipping plane are left out, and requested never") {
+TEST_CASE("bricks: Parts behind a clipping plane are neither shown nor requested") {
   LodView view = far_view();
   view.volume.clip = glm::vec4(-1, 0, 0, 60);  // hides x > 60
   const auto bricks = opened(std::size_t{1} << 30);

@@ -179,7 +179,7 @@ TEST_CASE("bricks: Bricks at the border of a view keep the error, too") {
   CHECK(drawing.bounded == 0);
 }
 
-TEST_CASE("bricks: Without corrections, bricks promise an error where all chunks have arrived") {
+TEST_CASE("bricks: Without corrections, bricks state the error where all chunks were received") {
   const Extent extent{200, 150, 140};
   const Coded source = coded_cells<std::uint16_t>(extent, {}, 3);
   const auto bricks = bricks_of(source.stream.bytes, extent);
@@ -194,7 +194,7 @@ TEST_CASE("bricks: Without corrections, bricks promise an error where all chunks
   CHECK(drawing.wrong == 0);
 }
 
-TEST_CASE("bricks: Damaged chunks cost the promise of their voxels") {
+TEST_CASE("bricks: Voxels of damaged chunks state no error") {
   const Extent extent{150, 90, 70};
   const Coded source = coded_cells<std::uint16_t>(extent, within(2), 3);
   for (const ChunkType damaged : {ChunkType::values, ChunkType::remainders}) {

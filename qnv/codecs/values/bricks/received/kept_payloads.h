@@ -18,9 +18,9 @@ class KeptPayloads : NonCopyable {
  public:
   explicit KeptPayloads(std::size_t most_bytes) : most_bytes_(most_bytes) {}
 
-  /// Keeps a payload. `owner` says in trim() what needs it.
+  /// Keeps a payload for `owner`, a number that trim() passes to `used`.
   void keep(std::uint64_t offset, std::uint64_t owner, std::span<const std::byte> payload);
-  /// Drops payloads without `used`(owner), the last of the stream first, while there are too many bytes.
+  /// Drops payloads for which `used`(owner) is false, from the end of the stream, until the limit is met.
   void trim(const std::function<bool(std::uint64_t owner)>& used);
 
   /// Returns a payload, or null. Any thread, while no other thread changes this.

@@ -42,8 +42,8 @@ class RemainderRuns : NonCopyable {
   /// Calls visit(place) for each run with cubes in a box of voxels, in order.
   void visit(const SampleBox& box, const std::function<void(const RunPlace&)>& visit) const;
   [[nodiscard]] bool has(const RunPlace& place) const { return source_ || kept_.has(place.offset); }
-  /// Adds the remainders of the cubes with flags to `numbers`, those of the box of `cubes`. Clears the flags of cubes in
-  /// runs that are not received, or damaged. Any thread, while no other thread changes this.
+  /// Adds the remainders of the cubes with flags to `numbers`, which covers the box of `cubes`. Clears the flags of
+  /// cubes in missing or damaged runs. Any thread, while no other thread changes this.
   void add(CubeFlags& cubes, std::span<std::uint32_t> numbers) const;
 
  private:
