@@ -125,7 +125,7 @@ void DecoderServer::read_sound(std::uint64_t pairs, DecodeAnswer& answer) {
   const auto to = result_.map(samples.size() * sizeof(float));
   if (!sound_ || to.size() < samples.size() * sizeof(float)) return set_error(answer, "no sound is open");
   answer.count = sound_->read(samples);
-  std::memcpy(to.data(), samples.data(), static_cast<std::size_t>(answer.count) * 2 * sizeof(float));
+  std::ranges::copy(std::as_bytes(std::span(samples).first(static_cast<std::size_t>(answer.count) * 2)), to.begin());
   answer.good = 1;
 }
 

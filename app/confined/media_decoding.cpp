@@ -138,6 +138,7 @@ class RemoteSamples final : public render::SampleReader {
     const std::size_t count = static_cast<std::size_t>(std::min<std::uint64_t>(answer->count, to.size() / 2));
     const auto samples = child_->results(count * 2 * sizeof(float));
     if (samples.size() < count * 2 * sizeof(float)) return 0;
+    if (count == 0) return 0;
     std::memcpy(to.data(), samples.data(), samples.size());
     for (float& sample : to.first(count * 2))
       if (!(std::abs(sample) <= kLoudest)) sample = 0;

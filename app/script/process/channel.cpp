@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <chrono>
 #include <climits>
-#include <cstring>
 #include <ctime>
 #include <thread>
 
@@ -95,7 +94,7 @@ bool Channel::send(std::span<const std::byte> message) {
   do {
     if (!wait(*out_, 0)) return false;
     const std::size_t part = std::min(message.size(), Lane::kBytes);
-    std::memcpy(out_->data, message.data(), part);
+    std::ranges::copy(message.first(part), out_->data);
     message = message.subspan(part);
     out_->length = static_cast<std::uint32_t>(part);
     out_->last = message.empty() ? 1 : 0;
