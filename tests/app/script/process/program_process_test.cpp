@@ -118,12 +118,12 @@ TEST_CASE("reports a child that ends by itself once") {
 TEST_CASE("carries large values between a world and its child") {
   const InChildren children;
   scripts::World world(
-      world_of("function initialize() { for (var i = 0; i < 300000; ++i) many[i] = i;"
-               " other.point = new MFVec3f(new SFVec3f(1, 2, 3)); print(many.length); }",
-               "field MFInt32 many [] field SFNode other DEF P Coordinate {}"));
+      world_of("function initialize() { text = 'ab'.repeat(400000);"
+               " other.point = new MFVec3f(new SFVec3f(1, 2, 3)); print(text.length); }",
+               "field SFString text \"\" field SFNode other DEF P Coordinate {}"));
   world.start();
   CHECK(world.problems() == scripts::Lines{});
-  CHECK(world.printed() == scripts::Lines{"300000"});
+  CHECK(world.printed() == scripts::Lines{"800000"});
 }
 
 }  // namespace gs::app::program_process_test
