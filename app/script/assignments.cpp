@@ -25,7 +25,7 @@ bool PostedEvents::add(JSContext* context, const NodeRef& node, std::uint32_t pl
   };
   // Only the last value for an eventIn is sent (C.5.2). But events that add or remove children are all sent.
   const bool each = event_in.access == vrml::AccessType::eventIn && event_in.type == vrml::FieldType::MFNode;
-  const Key key{node, place};
+  const PlaceRef key{node, place};
   if (!each)
     if (const auto known = last_.find(key); known != last_.end()) {
       count(bytes_of(posts_[known->second].value));
@@ -39,7 +39,7 @@ bool PostedEvents::add(JSContext* context, const NodeRef& node, std::uint32_t pl
 }
 
 const vrml::FieldValue* PostedEvents::find(const NodeRef& node, std::uint32_t place) const {
-  const auto known = last_.find(Key{node, place});
+  const auto known = last_.find(PlaceRef{node, place});
   return known == last_.end() ? nullptr : &posts_[known->second].value;
 }
 

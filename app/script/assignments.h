@@ -31,14 +31,6 @@ class PostedEvents {
   void send_all(Program& program);
 
  private:
-  struct Key {
-    NodeRef node;
-    std::uint32_t place;
-    friend bool operator==(const Key&, const Key&) = default;
-  };
-  struct HashKey {
-    std::size_t operator()(const Key& key) const { return HashNodeRef()(key.node) ^ (key.place * 0x9e3779b9U); }
-  };
   struct Post {
     NodeRef node;
     std::uint32_t place;
@@ -49,7 +41,7 @@ class PostedEvents {
   Engine& engine_;
   std::vector<Post> posts_;
   std::size_t bytes_ = 0;  // bytes of values in posts_
-  std::unordered_map<Key, std::size_t, HashKey> last_;
+  std::unordered_map<PlaceRef, std::size_t, HashPlaceRef> last_;
 };
 
 /// Lists that a function has changed and that were read from nodes. One thread.

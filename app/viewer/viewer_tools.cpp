@@ -8,6 +8,7 @@
 #include "app/picture/volume_show.h"
 #include "app/view/values/picked_values.h"
 #include "app/view/values/transfer_file.h"
+#include "app/view/values/value_text.h"
 #include "base/text.h"
 #include "net/files/file.h"
 #include "qnv/sampling/volume/volume_values.h"
@@ -16,7 +17,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <filesystem>
 #include <iterator>
 #include <span>
@@ -30,38 +30,6 @@ constexpr float kSliceEdge = 6;  // pixels; max distance from the edge of a slic
 
 double seconds_since_1970() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-}
-
-std::string place_text(const glm::dvec3& p) {
-  char buffer[96];
-  std::snprintf(buffer, sizeof buffer, "%.5g, %.5g, %.5g", p.x, p.y, p.z);
-  return buffer;
-}
-
-std::string label_text(double label) {
-  char buffer[64];
-  std::snprintf(buffer, sizeof buffer, "label %.10g", label);
-  return buffer;
-}
-
-std::string color_text(const std::array<std::uint8_t, 4>& color) {
-  char buffer[64];
-  std::snprintf(buffer, sizeof buffer, "R G B %d %d %d", color[0], color[1], color[2]);
-  return buffer + (color[3] < 255 ? ", opacity " + std::to_string(color[3]) : std::string());
-}
-
-// Text after a value that may differ from that of the source.
-std::string accuracy_text(const std::optional<float>& error) {
-  if (!error) return {};
-  return *error == 0 ? ", exact," : ", within " + readable_value(static_cast<double>(*error)) + ",";
-}
-
-// Names the voxel of the whole volume at a position in voxels of a grid.
-std::string voxel_text(const VolumeGrid& grid, const glm::dvec3& p) {
-  char buffer[96];
-  std::snprintf(buffer, sizeof buffer, "voxel %.0f, %.0f, %.0f", p.x * grid.fineness(0), p.y * grid.fineness(1),
-                p.z * grid.fineness(2));
-  return buffer;
 }
 
 }  // namespace

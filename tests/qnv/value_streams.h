@@ -26,6 +26,18 @@ inline qnv::EncodedStream encoded_stream(std::variant<qnv::EncodedStream, qnv::E
   return std::get<qnv::EncodedStream>(std::move(encoded));
 }
 
+/// Returns the chunks of a stream with their types, without its directory and parity.
+inline std::vector<std::pair<qnv::ChunkType, std::vector<std::byte>>> content_chunks(
+    std::span<const std::byte> stream) {
+  std::vector<std::pair<qnv::ChunkType, std::vector<std::byte>>> chunks;
+  qnv::StreamReader reader;
+  (void)reader.push(stream, [&](qnv::ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
+    if (type != qnv::ChunkType::directory && type != qnv::ChunkType::parity)
+      chunks.emplace_back(type, std::vector(payload.begin(), payload.end()));
+  });
+  return chunks;
+}
+
 /// Returns the values of all voxels; NaN where they are missing.
 inline std::vector<float> values_in(const qnv::VolumeSource& source) {
   std::vector<float> all(qnv::voxel_count(source.layout));

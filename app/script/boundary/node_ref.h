@@ -21,4 +21,14 @@ struct HashNodeRef {
   }
 };
 
+/// Interface of a node: the index of a field or event in its type.
+struct PlaceRef {
+  NodeRef node;
+  std::uint32_t place = 0;
+  friend bool operator==(const PlaceRef&, const PlaceRef&) = default;
+};
+struct HashPlaceRef {
+  std::size_t operator()(const PlaceRef& ref) const { return HashNodeRef()(ref.node) ^ (ref.place * 0x9e3779b9U); }
+};
+
 }  // namespace gs::app::script

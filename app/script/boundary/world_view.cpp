@@ -39,7 +39,7 @@ Answer WorldView::ask(const Question& question) {
 }
 
 std::optional<vrml::FieldValue> WorldView::read(const NodeRef& node, std::uint32_t place) {
-  const Key key{node, place};
+  const PlaceRef key{node, place};
   if (const auto known = values_.find(key); known != values_.end()) return known->second;
   Question question;
   question.ask = Ask::read;

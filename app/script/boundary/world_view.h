@@ -38,18 +38,9 @@ class WorldView {
   void report(Severity severity, std::string text, std::optional<Diagnostic> at = {});
 
  private:
-  struct Key {
-    NodeRef node;
-    std::uint32_t place;
-    friend bool operator==(const Key&, const Key&) = default;
-  };
-  struct HashKey {
-    std::size_t operator()(const Key& key) const { return HashNodeRef()(key.node) ^ (key.place * 0x9e3779b9U); }
-  };
-
   WorldAccess& world_;
   std::unordered_set<std::uint64_t> gone_;
-  std::unordered_map<Key, std::optional<vrml::FieldValue>, HashKey> values_;
+  std::unordered_map<PlaceRef, std::optional<vrml::FieldValue>, HashPlaceRef> values_;
   std::shared_ptr<const BrowserFacts> browser_;
   std::unordered_map<NodeRef, std::size_t, HashNodeRef> held_;
 };

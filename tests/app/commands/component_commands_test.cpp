@@ -1,8 +1,7 @@
 // Tests of encode, export and pictures of volumes with several numbers per voxel, as a user runs them.
-#include "app/formats/volume/volume.h"
-#include "qnv/sampling/volume/volume_slices.h"
 #include "render/image/image.h"
 #include "tests/app/commands/vector_commands.h"
+#include "tests/qnv/value_streams.h"
 
 #include <cmath>
 #include <cstdint>
@@ -37,22 +36,10 @@ std::string nrrd_vectors(const char* type, double scale, double shift) {
 }
 
 std::vector<std::vector<float>> rows_in_file(const std::string& path) {
-  auto opened = open_volume(path);
-  const auto* problem = std::get_if<std::string>(&opened);
-  INFO((problem ? *problem : path));
-  REQUIRE_FALSE(problem);
-  const auto& source = std::get<qnv::VolumeSource>(opened);
+  const qnv::VolumeSource source = opened_volume(path);
   std::vector<std::vector<float>> all;
-  std::vector<std::byte> scratch;
-  const auto read = [&](const qnv::VolumeSource& one) {
-    const std::size_t slice = qnv::slice_voxels(one.layout);
-    std::vector<float> values(qnv::voxel_count(one.layout));
-    for (std::uint32_t z = 0; z < one.layout.dimensions[2]; ++z)
-      REQUIRE(qnv::read_slice(one, z, scratch, std::span(values).subspan(z * slice, slice)));
-    all.push_back(std::move(values));
-  };
-  if (source.components.empty()) read(source);
-  for (const qnv::VolumeSource& one : source.components) read(one);
+  if (source.components.empty()) all.push_back(test::values_in(source));
+  for (const qnv::VolumeSource& one : source.components) all.push_back(test::values_in(one));
   return all;
 }
 

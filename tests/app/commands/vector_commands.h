@@ -2,6 +2,7 @@
 
 // Helpers of tests of encode, info and export: runs of the program, and its inputs.
 #include "app/base/exit_status.h"
+#include "app/formats/volume/volume.h"
 #include "tests/app/run_program.h"
 #include "tests/app/scratch_folder.h"
 
@@ -10,6 +11,8 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
+#include <variant>
 
 namespace gs::test {
 
@@ -23,6 +26,15 @@ inline nlohmann::json info(const std::string& file, const std::string& options =
   INFO(result.output);
   REQUIRE(result.status == kDone);
   return nlohmann::json::parse(result.output);
+}
+
+/// Opens a volume file, which must be readable.
+inline qnv::VolumeSource opened_volume(const std::string& path) {
+  auto opened = app::open_volume(path);
+  const auto* const problem = std::get_if<std::string>(&opened);
+  INFO((problem ? *problem : path));
+  REQUIRE_FALSE(problem);
+  return std::get<qnv::VolumeSource>(std::move(opened));
 }
 
 inline const std::string kBall =

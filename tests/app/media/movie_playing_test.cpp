@@ -15,6 +15,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <string>
 #include <thread>
 
@@ -57,6 +58,19 @@ Shown shown_at(const std::string& fields, double seconds, const std::string& fil
   return {number_of(image), image.version};
 }
 
+/// Returns a running world with a movie that repeats.
+std::shared_ptr<Document> counting_world() {
+  const ScratchFolder folder;
+  (void)folder.write("a.mpg", movie("movie/counting.mp4"));
+  const std::string path = folder.write(
+      "main.wrl", kHeader +
+                      "Shape { appearance Appearance { texture MovieTexture { url \"a.mpg\" startTime 946684800 "
+                      "loop TRUE } } geometry Box { } }");
+  auto document = hold_world(load_world(path));
+  begin_world(*document, kSimulatedStart);
+  return document;
+}
+
 TEST_CASE("shows the movie frame at t = (now - startTime) modulo (duration / speed) while active (6.28)") {
   const std::string begin = "startTime 946684800 ";
   CHECK(shown_at(begin, 0.5).number == 12);
@@ -96,14 +110,7 @@ TEST_CASE("plays an animated GIF in a MovieTexture (6.28)") {
 }
 
 TEST_CASE("decodes movie frames to one image, without a new render item") {
-  const ScratchFolder folder;
-  (void)folder.write("a.mpg", movie("movie/counting.mp4"));
-  const std::string path = folder.write(
-      "main.wrl", kHeader +
-                      "Shape { appearance Appearance { texture MovieTexture { url \"a.mpg\" startTime 946684800 "
-                      "loop TRUE } } geometry Box { } }");
-  const auto document = hold_world(load_world(path));
-  begin_world(*document, kSimulatedStart);
+  const auto document = counting_world();
   WorldRuntime& world = *document->runtime;
   const render::Image* const image = document->list->items[0].texture.image.get();
   CHECK(world.next_time().has_value());  // requests frames
@@ -121,14 +128,7 @@ TEST_CASE("decodes movie frames to one image, without a new render item") {
 
 TEST_CASE("reports once that the process of a movie ended, and keeps the last picture") {
   set_decoder_program(program());
-  const ScratchFolder folder;
-  (void)folder.write("a.mpg", movie("movie/counting.mp4"));
-  const std::string path = folder.write(
-      "main.wrl", kHeader +
-                      "Shape { appearance Appearance { texture MovieTexture { url \"a.mpg\" startTime 946684800 "
-                      "loop TRUE } } geometry Box { } }");
-  const auto document = hold_world(load_world(path));
-  begin_world(*document, kSimulatedStart);
+  const auto document = counting_world();
   WorldRuntime& world = *document->runtime;
   const render::Image* const image = document->list->items[0].texture.image.get();
   (void)world.step(kSimulatedStart + 0.5);

@@ -203,12 +203,7 @@ TEST_CASE("components: Every prefix, split point and flipped bit leaves a valid 
 
 TEST_CASE("components: Hostile payloads and headers are refused") {
   const EncodedStream stream = stream_of(whirl_of<std::int16_t>(oblique(40, 30, 20), VoxelType::i16, 3, 9000));
-  std::vector<std::pair<ChunkType, std::vector<std::byte>>> chunks;
-  StreamReader reader;
-  (void)reader.push(stream.bytes, [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
-    if (type != ChunkType::directory && type != ChunkType::parity)
-      chunks.emplace_back(type, std::vector(payload.begin(), payload.end()));
-  });
+  const auto chunks = test::content_chunks(stream.bytes);
   std::mt19937 random(8);
   for (int round = 0; round < 40; ++round) {
     StreamHeader header = stream.header;

@@ -414,12 +414,7 @@ TEST_CASE("series: Hostile headers and chunks are refused") {
   for (std::size_t size = 0; size < table.size(); ++size)
     CHECK_FALSE(decode_step_table(std::span(table).first(size), 1));
   CHECK_FALSE(decode_step_table(table, 4000));
-  std::vector<std::pair<ChunkType, std::vector<std::byte>>> chunks;
-  StreamReader reader;
-  (void)reader.push(stream.bytes, [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
-    if (type != ChunkType::directory && type != ChunkType::parity)
-      chunks.emplace_back(type, std::vector(payload.begin(), payload.end()));
-  });
+  const auto chunks = test::content_chunks(stream.bytes);
   std::mt19937 random(8);
   for (int round = 0; round < 30; ++round) {
     StreamHeader header = stream.header;
