@@ -3,9 +3,12 @@
 # display, draws pictures into the current folder instead.
 set -euo pipefail
 
-case ${1:-} in
-  -*) echo "run.sh: $1 is an option; expected files only (build/release/ghostspace --help lists options)" >&2; exit 2 ;;
-esac
+for file in "$@"; do
+  case $file in
+    -*) echo "run.sh: $file is an option; expected files only (build/release/ghostspace --help lists options)" >&2
+        exit 2 ;;
+  esac
+done
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 "$root/scripts/install-dependencies.sh"
 (cd "$root" && cmake --preset release >/dev/null && cmake --build --preset release --target ghostspace)
