@@ -6,6 +6,7 @@
 #include <linux/sched.h>
 #include <linux/seccomp.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -186,6 +187,7 @@ constexpr long kDecoding[] = {
     SYS_sched_getaffinity,
     SYS_gettid,
     SYS_getpid,
+    SYS_prctl,
     SYS_exit,
     SYS_exit_group,
     // Signals to this process
@@ -298,6 +300,7 @@ static bool allow_child_calls(bool makes_code) {
   filter.require_bits(SYS_clone, 0, CLONE_THREAD);
   filter.require(SYS_tgkill, 0, static_cast<std::uint32_t>(::getpid()));
   filter.require(SYS_prlimit64, 2, 0);
+  filter.require(SYS_prctl, 0, PR_SET_NAME);  // SpiderMonkey ends the process if a thread cannot set its name
   if (!makes_code) {
     filter.refuse_bits(SYS_mmap, 2, PROT_EXEC, PROT_EXEC);
     filter.refuse_bits(SYS_mprotect, 2, PROT_EXEC, PROT_EXEC);

@@ -8,7 +8,9 @@
 #include <catch2/catch.hpp>
 
 #include <fcntl.h>
+#include <pthread.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -21,6 +23,7 @@
 #include <cstring>
 #include <fstream>
 #include <functional>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -71,12 +74,13 @@ std::vector<pid_t> children() {
   return all;
 }
 
-// Reports whether a function succeeds in a process that is confined to decoding.
-bool succeeds_in_decoder(const std::function<bool()>& attempt) {
+// Reports whether a function succeeds in a process that is confined, by default to decoding.
+bool succeeds_in_decoder(const std::function<bool()>& attempt,
+                         std::optional<std::string> (*confine)() = confine_decoder) {
   const pid_t child = ::fork();
   REQUIRE(child >= 0);
   if (child == 0) {
-    if (confine_decoder()) ::_exit(3);
+    if (confine()) ::_exit(3);
     ::_exit(attempt() ? 0 : 1);
   }
   int status = 0;
@@ -234,6 +238,25 @@ TEST_CASE("memory for results cannot shrink") {
   bytes[9'999] = std::byte{7};
   REQUIRE(memory->grow(1'000'000));
   CHECK(memory->map(1'000'000)[9'999] == std::byte{7});
+}
+
+TEST_CASE("threads of a confined process set their names, and change nothing else of it") {
+  if (!confinement_support().seccomp) {
+    WARN("this kernel lacks seccomp");
+    return;
+  }
+  // SpiderMonkey asserts that each of its threads can set its name. Threads may start after the confinement.
+  const auto names = [] { return ::pthread_setname_np(::pthread_self(), "late") == 0; };
+  const auto late = [&names] {
+    bool named = false;
+    std::thread([&] { named = names(); }).join();
+    return named;
+  };
+  for (const auto confine : {confine_decoder, confine_programs}) {
+    CHECK(succeeds_in_decoder(late, confine));
+    CHECK_FALSE(succeeds_in_decoder([] { return ::prctl(PR_SET_DUMPABLE, 1) == 0; }, confine));
+    CHECK_FALSE(succeeds_in_decoder([] { return ::prctl(PR_SET_PDEATHSIG, 0) == 0; }, confine));
+  }
 }
 
 TEST_CASE("a decoder has no files, sockets, programs, processes or executable memory") {
