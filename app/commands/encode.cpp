@@ -63,8 +63,7 @@ std::optional<std::string> check_encode(const EncodeCommand& options) {
   if ((tolerance.lossless || tolerance.error) &&
       ((method != EncodeMethod::automatic && method != EncodeMethod::values && method != EncodeMethod::gaussians) ||
        options.vectors > 0 || options.fraction > 0 || options.isovalue))
-    return "--error and --lossless apply to values only, --error also to Gaussians; leave out --vectors, --fraction "
-           "and "
+    return "--error and --lossless apply to values only, --error also to Gaussians; leave out --vectors, --fraction and "
            "--isovalue, and use --method values or gaussians";
   if ((tolerance.lossless || tolerance.error) && options.max_bytes_given)
     return "--max-bytes excludes --error and --lossless, because either decides where the stream ends";
@@ -135,7 +134,9 @@ int run_encode(const EncodeCommand& options) {
   if (options.json)
     print_facts(options, *input, stream, contents, losses, start);
   else
-    print_conversion({in, input->bytes, out, stream.size(), contents.text()}, start);
+    print_conversion({steps.size() > 1 ? steps.front() + " to " + steps.back() : in, input->bytes, out, stream.size(),
+                      contents.text()},
+                     start);
   return kDone;
 }
 

@@ -67,6 +67,9 @@ TEST_CASE("encode: joins volumes to a time series, and export writes all steps o
     INFO(encoded.output);
     REQUIRE(encoded.status == kDone);
     CHECK(encoded.output.find("9 steps of values of") != std::string::npos);
+    const bool several = input.files != quoted(whole);
+    CHECK((encoded.output.find(folder.path("run0.nrrd") + " to " + folder.path("run8.nrrd")) != std::string::npos) ==
+          several);
     const auto facts = info(stream);
     CHECK(facts.at("steps") == kSteps);
     REQUIRE(facts.at("times").size() == kSteps);
