@@ -2,11 +2,11 @@
 //
 //   brick_seams STREAM [STREAM ...]
 //
-// A view from each corner decodes each prefix of a stream into bricks of several levels. At the faces where a brick lies
-// beside a coarser part, the program compares neighbouring voxels of the coarser lattice: across the face, one step
-// inside of the brick, and one step inside of the coarser part. It does the same at faces between bricks of one level.
-// Prints a Markdown table of mean absolute differences. The last column is the ratio across / mean of both insides,
-// divided by that of the volume itself at the same places: 1 means that the border does not stand out.
+// A view from each corner decodes each prefix of a stream into bricks of several levels. At the faces where a brick
+// lies beside a coarser part, the program compares neighbouring voxels of the coarser lattice: across the face, one
+// step inside of the brick, and one step inside of the coarser part. It does the same at faces between bricks of one
+// level. Prints a Markdown table of mean absolute differences. The last column is the ratio across / mean of both
+// insides, divided by that of the volume itself at the same places: 1 means that the border does not stand out.
 #include "net/files/file.h"
 #include "qnv/codecs/values/bricks/brick_volume.h"
 #include "qnv/codecs/values/decode/values_decoder.h"
@@ -96,8 +96,8 @@ class Shown {
   std::map<Key, const qnv::ValueBrick*> bricks_;
 };
 
-std::shared_ptr<const qnv::Volume> shown_by(const std::shared_ptr<const qnv::ChunkSource>& source,
-                                            const Extent& extent, const qnv::LodView& view) {
+std::shared_ptr<const qnv::Volume> shown_by(const std::shared_ptr<const qnv::ChunkSource>& source, const Extent& extent,
+                                            const qnv::LodView& view) {
   qnv::BrickLimits limits;
   limits.base_vectors = qnv::values::sample_count(extent) / kBasePart / qnv::values::kSamplesPerVector;
   limits.brick_bytes = std::size_t{4} << 30;
@@ -178,9 +178,10 @@ int measure(const std::string& path) {
   qnv::LodView corner = everything;
   corner.pixels = 1.2f * (box.upper.x - box.lower.x);
   corner.error_pixels = 2.5f;
-  std::printf("\n%s\n\n| bytes | pairs | inside, fine | inside, coarse | across | relative to the volume | one level: across | "
-              "relative |\n|---:|---:|---:|---:|---:|---:|---:|---:|\n",
-              path.c_str());
+  std::printf(
+      "\n%s\n\n| bytes | pairs | inside, fine | inside, coarse | across | relative to the volume | one level: across | "
+      "relative |\n|---:|---:|---:|---:|---:|---:|---:|---:|\n",
+      path.c_str());
   for (const std::size_t size : kPrefixes) {
     const std::size_t bytes = std::min(size, stream.size());
     const auto prefix = qnv::memory_source(Bytes(stream.begin(), stream.begin() + static_cast<std::ptrdiff_t>(bytes)));
@@ -190,8 +191,7 @@ int measure(const std::string& path) {
       const Shown shown(shown_by(prefix, extent, corner));
       for (const qnv::ValueBrick& brick : shown.bricks())
         for (std::size_t axis = 0; axis < 3; ++axis)
-          for (const bool upper : {false, true})
-            measure_face(shown, whole, brick, axis, upper, extent, beside, source);
+          for (const bool upper : {false, true}) measure_face(shown, whole, brick, axis, upper, extent, beside, source);
     }
     const Differences& mixed = beside[1];
     const double n = std::max(mixed.count, 1.0), m = std::max(beside[0].count, 1.0);

@@ -63,8 +63,8 @@ std::optional<std::string> check_encode(const EncodeCommand& options) {
   if ((tolerance.lossless || tolerance.error) &&
       ((method != EncodeMethod::automatic && method != EncodeMethod::values && method != EncodeMethod::gaussians) ||
        options.vectors > 0 || options.fraction > 0 || options.isovalue))
-    return "--error and --lossless apply to values only, --error also to Gaussians; leave out --vectors, --fraction and "
-           "--isovalue, and use --method values or gaussians";
+    return "--error and --lossless apply to values only, --error also to Gaussians; leave out --vectors, --fraction "
+           "and --isovalue, and use --method values or gaussians";
   if ((tolerance.lossless || tolerance.error) && options.max_bytes_given)
     return "--max-bytes excludes --error and --lossless, because either decides where the stream ends";
   if (method == EncodeMethod::values && (options.vectors > 0 || options.fraction > 0))

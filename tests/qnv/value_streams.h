@@ -1,6 +1,7 @@
 #pragma once
 
 #include "qnv/codecs/encode.h"
+#include "qnv/codecs/values/decode/values_slices.h"
 #include "qnv/reader/stream_decoder.h"
 #include "qnv/sampling/volume/volume_slices.h"
 #include "qnv/sampling/volume/volume_values.h"
@@ -10,6 +11,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <span>
 #include <utility>
@@ -36,6 +38,16 @@ inline std::vector<std::pair<qnv::ChunkType, std::vector<std::byte>>> content_ch
       chunks.emplace_back(type, std::vector(payload.begin(), payload.end()));
   });
   return chunks;
+}
+
+/// Opens the slices of a stream, which are decoded when they are read. `bytes` must outlive the result.
+inline std::shared_ptr<const qnv::VolumeValues> slices_of(const std::vector<std::byte>& bytes) {
+  const auto opened = qnv::open_values_slices({bytes.size(), [&bytes](std::uint64_t offset, std::span<std::byte> to) {
+                                                 std::memcpy(to.data(), bytes.data() + offset, to.size());
+                                                 return true;
+                                               }});
+  REQUIRE(std::holds_alternative<std::shared_ptr<const qnv::VolumeValues>>(opened));
+  return std::get<std::shared_ptr<const qnv::VolumeValues>>(opened);
 }
 
 /// Returns the values of all voxels; NaN where they are missing.

@@ -12,8 +12,8 @@
 
 namespace gs::app {
 
-/// Returns the voxel plane that a slice shows, in voxels of the grid. It is a plane of voxels of the whole volume, or of
-/// those in memory if the grid omits some.
+/// Returns the voxel plane that a slice shows, in voxels of the grid. It is a plane of voxels of the whole volume, or
+/// of those in memory if the grid omits some.
 [[nodiscard]] double slice_voxel(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis);
 /// Returns the corners of the plane that a slice shows, in the volume's space, in order around the plane.
 [[nodiscard]] std::array<glm::dvec3, 4> slice_corners(const VolumeGrid& grid, const VolumeSlices& slices,

@@ -135,7 +135,8 @@ bool BrickDecoder::has_final_base() const {
   const DecodeCount count = decoder_->count();
   // If the coarse level is the coarsest one, its only block also belongs to a brick. Count it once.
   const std::size_t twice = is_fine(0) ? chunks_.known(0) : 0;
-  return !errors.empty() && base_known_.size() + chunks_.count() - twice + remainders_.count() >= errors.back().chunks &&
+  return !errors.empty() &&
+         base_known_.size() + chunks_.count() - twice + remainders_.count() >= errors.back().chunks &&
          base_taken_.size() == base_known_.size() && count.refused == 0 && !count.full;
 }
 
@@ -275,8 +276,8 @@ void BrickDecoder::need_runs(const values::SampleBox& brick, std::span<const Lod
       row.size[1] = std::min(values::kCubeEdge, brick.size[1] - y);
       row.size[2] = std::min(values::kCubeEdge, brick.size[2] - z);
       const Box box = values::samples_box(row, levels_.front());
-      if (std::ranges::any_of(
-              views, [&](const LodView& view) { return values::touches_slice(box, voxel, view.volume); }))
+      if (std::ranges::any_of(views,
+                              [&](const LodView& view) { return values::touches_slice(box, voxel, view.volume); }))
         remainders_.visit(row, need);
     }
 }
@@ -314,8 +315,8 @@ void BrickDecoder::merge(bool with_values) {
   auto values = std::make_shared<VolumeValues>(*base_volume_->values);
   for (const values::BrickName& name : with_values ? merged_ : std::vector<values::BrickName>())
     if (const values::Brick* const brick = cache_.find(name); brick && brick->samples)
-      values->bricks.push_back(value_brick(*brick, layout_, levels_[static_cast<std::size_t>(name.level)], header_.grid,
-                                           gaps_.count() > 0));
+      values->bricks.push_back(
+          value_brick(*brick, layout_, levels_[static_cast<std::size_t>(name.level)], header_.grid, gaps_.count() > 0));
   std::ranges::stable_sort(values->bricks, {}, &ValueBrick::level);
   values->bytes += cache_.bytes();
   merged->values = std::move(values);

@@ -52,7 +52,8 @@ class BrickLayout {
   void children(const BrickName& name, const std::function<void(const BrickName&)>& visit) const;
   /// Calls visit(block) for each block of coefficients in the brick, and around it if `around`.
   void visit_blocks(const BrickName& name, bool around, const std::function<void(std::uint64_t)>& visit) const;
-  /// Calls visit(block) for each block of all levels below base() that the samples of a brick with its margin depend on.
+  /// Calls visit(block) for each block of all levels below base() that the samples of a brick with its margin depend
+  /// on.
   void visit_sources(const BrickName& name, const std::function<void(std::uint64_t)>& visit) const;
 
  private:

@@ -32,8 +32,8 @@ struct SampleLimits {
   double least = (low - spare - zero) / unit, most = (high + spare - zero) / unit;
   if (unit < 0) std::swap(least, most);
   const auto sample = [](double at) {
-    return static_cast<std::int32_t>(
-        std::clamp(at, double{std::numeric_limits<std::int32_t>::min()}, double{std::numeric_limits<std::int32_t>::max()}));
+    return static_cast<std::int32_t>(std::clamp(at, double{std::numeric_limits<std::int32_t>::min()},
+                                                double{std::numeric_limits<std::int32_t>::max()}));
   };
   return {sample(std::floor(least + 0.5)), sample(std::ceil(most - 0.5))};
 }

@@ -75,14 +75,6 @@ Geometry decoded(std::span<const std::byte> bytes, const ShownComponent& shown =
   REQUIRE(decoder.geometry().as<Volume>()->values);
   return decoder.geometry();
 }
-std::shared_ptr<const VolumeValues> slices_of(const std::vector<std::byte>& bytes) {
-  const auto opened = open_values_slices({bytes.size(), [&](std::uint64_t offset, std::span<std::byte> to) {
-                                            std::memcpy(to.data(), bytes.data() + offset, to.size());
-                                            return true;
-                                          }});
-  REQUIRE(std::holds_alternative<std::shared_ptr<const VolumeValues>>(opened));
-  return std::get<std::shared_ptr<const VolumeValues>>(opened);
-}
 
 TEST_CASE("colors: Brightness and differences restore every colour") {
   for (int r = 0; r < 256; r += 5)
@@ -109,7 +101,7 @@ TEST_CASE("colors: A stream restores colours, and changes their form where that 
       CHECK(values.exact);
       REQUIRE(has_colors(values.source));
       REQUIRE(values.components.size() == count);
-      const auto slices = slices_of(stream.bytes);
+      const auto slices = test::slices_of(stream.bytes);
       REQUIRE(slices->components.size() == count);
       CHECK(values_in(values.source) == values_in(source));
       for (std::size_t c = 0; c < count; ++c) {
@@ -134,7 +126,7 @@ TEST_CASE("colors: The permitted error holds for red, green, blue and opacity") 
     INFO(error << " " << stream.header.grid.luma);
     REQUIRE(values.error);
     CHECK(*values.error <= static_cast<float>(error));
-    const auto slices = slices_of(stream.bytes);
+    const auto slices = test::slices_of(stream.bytes);
     for (std::size_t c = 0; c < 4; ++c) {
       const auto truth = values_in(source.components[c]), now = values_in(values.components[c]->source);
       for (std::size_t i = 0; i < truth.size(); ++i) REQUIRE_EACH(std::abs(truth[i] - now[i]) <= *values.error);

@@ -117,14 +117,6 @@ struct SeriesSteps {
   StreamDecoder decoder;
   Geometry first;
 };
-std::shared_ptr<const VolumeValues> slices_of(const std::vector<std::byte>& bytes) {
-  const auto opened = open_values_slices({bytes.size(), [&](std::uint64_t offset, std::span<std::byte> to) {
-                                            std::memcpy(to.data(), bytes.data() + offset, to.size());
-                                            return true;
-                                          }});
-  REQUIRE(std::holds_alternative<std::shared_ptr<const VolumeValues>>(opened));
-  return std::get<std::shared_ptr<const VolumeValues>>(opened);
-}
 double rms_of(const std::vector<float>& a, const std::vector<float>& b) {
   double sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i) sum += std::pow(static_cast<double>(a[i]) - static_cast<double>(b[i]), 2);
@@ -137,7 +129,7 @@ TEST_CASE("series: A lossless stream restores every step in any order") {
     const EncodedStream stream = stream_of(source, lossless());
     CHECK(stream.header.steps.times == source.times);
     SeriesSteps steps(stream.bytes);
-    const auto slices = slices_of(stream.bytes);
+    const auto slices = test::slices_of(stream.bytes);
     REQUIRE(slices->steps.size() == source.steps.size());
     // Forwards, backwards and across chains.
     for (const std::uint32_t step : {0u, 1u, 2u, 9u, 8u, 7u, 3u, 4u, 0u, 6u}) {
@@ -187,7 +179,7 @@ TEST_CASE("series: Every step keeps the permitted error, and the stream states i
     for (const double error : {0.1, 1.0, 5.0}) {
       const EncodedStream stream = stream_of(source, within(error));
       SeriesSteps steps(stream.bytes);
-      const auto slices = slices_of(stream.bytes);
+      const auto slices = test::slices_of(stream.bytes);
       for (std::uint32_t s = 0; s < source.steps.size(); ++s) {
         const auto truth = values_in(source.steps[s]);
         const auto values = steps.values(s);
@@ -328,7 +320,7 @@ TEST_CASE("series: Components and colours have steps, too, chosen by number or t
     const VolumeSource source = series_of(all, 10, 5);
     const EncodedStream stream = stream_of(source, lossless());
     SeriesSteps steps(stream.bytes);
-    const auto slices = slices_of(stream.bytes);
+    const auto slices = test::slices_of(stream.bytes);
     for (std::uint32_t s = 0; s < 9; ++s) {
       const auto values = steps.values(s);
       REQUIRE(values->components.size() == source.steps[s].components.size());
