@@ -40,6 +40,8 @@ get_property(all GLOBAL PROPERTY ghostspace_made)
 add_custom_target(desktop_files ALL DEPENDS ${all} ${made}/icons/hicolor/scalable/apps/${desktop_name}.svg)
 
 install(TARGETS ghostspace RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+# The program looks for it beside its own folder.
+install(TARGETS ghostspace_datasets LIBRARY DESTINATION lib/ghostspace)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/assets/worlds ${PROJECT_SOURCE_DIR}/assets/protos
         DESTINATION ${CMAKE_INSTALL_DATADIR}/ghostspace)
 install(FILES ${made}/ghostspace.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)

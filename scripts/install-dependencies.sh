@@ -19,7 +19,7 @@ packages=(
   # fonts: shaping, and at least one font
   libfreetype-dev libfontconfig-dev libharfbuzz-dev libfribidi-dev fonts-dejavu-core
   # volumes
-  libexpat1-dev
+  libexpat1-dev libhdf5-dev
   # network
   libcurl4-openssl-dev libisal-dev libmicrohttpd-dev
   # Scripts
@@ -27,7 +27,7 @@ packages=(
   # OpenGL headers; rendering without a display
   libgl-dev libosmesa6-dev libosmesa6
   # tests
-  catch2 nginx-light python3
+  catch2 nginx-light python3 python3-h5py python3-netcdf4
   "$@"
 )
 

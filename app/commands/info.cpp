@@ -1,12 +1,16 @@
 #include "app/commands/info.h"
 
 #include "app/base/console.h"
+#include "app/base/local_file.h"
 #include "app/commands/common/shared.h"
 #include "app/commands/common/vectors_of.h"
 #include "app/encode/surface_triangles.h"
 #include "app/formats/content_types.h"
+#include "app/formats/datasets/dataset_formats.h"
+#include "app/formats/datasets/arrays/dataset_tree.h"
 #include "app/formats/foreign_types.h"
 #include "app/formats/qnv/geometry_reader.h"
+#include "base/gzip.h"
 #include "base/json_value.h"
 #include "net/base/url.h"
 #include "net/files/file.h"
@@ -306,6 +310,43 @@ void describe_volume(JsonValue& facts, const qnv::VolumeSource& volume, Clock::t
   put_metadata(facts, layout.metadata);
 }
 
+JsonValue dataset_list(std::span<const DatasetEntry> entries) {
+  JsonValue list = JsonValue::list();
+  for (const DatasetEntry& entry : entries) {
+    JsonValue shape = JsonValue::list();
+    for (const std::uint64_t size : entry.shape) shape.add(size);
+    JsonValue one = JsonValue::named(
+        {{"path", entry.path}, {"shape", std::move(shape)}, {"type", entry.type}, {"unit", entry.unit}});
+    if (!entry.axes.empty()) one.put("axes", entry.axes);
+    if (entry.form != DatasetForm::nothing) one.put("shown_as", entry.form == DatasetForm::volume ? "volume" : "mesh");
+    if (!entry.note.empty()) one.put("note", entry.note);
+    list.add(std::move(one));
+  }
+  return list;
+}
+
+// Returns the datasets of a file as a tree, for users.
+std::vector<std::string> dataset_tree(std::span<const DatasetEntry> entries) {
+  std::vector<std::string> lines{"datasets"};
+  std::string folder;
+  for (const DatasetEntry& entry : entries) {
+    const std::string in = folder_of_path(entry.path);
+    if (in != folder) lines.push_back("  " + shortened(in, 120));
+    folder = in;
+    constexpr std::size_t kNames = 32, kTypes = 14;
+    std::string line = "    " + shortened(name_of_path(entry.path), 80);
+    line.resize(std::max(line.size() + 1, kNames), ' ');
+    line += shortened(entry.type, 60);
+    line.resize(std::max(line.size() + 1, kNames + kTypes), ' ');
+    line += shape_text(entry.shape);
+    if (!entry.unit.empty()) line += "  " + shortened(entry.unit, 40);
+    if (!entry.axes.empty()) line += "  (" + shortened(entry.axes, 80) + ')';
+    if (!entry.note.empty()) line += "  " + shortened(entry.note, 120);
+    lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
 void put_notes(JsonValue& facts, const Diagnostics& diagnostics) {
   JsonValue notes = JsonValue::list();
   for (const Diagnostic& one : diagnostics.entries())
@@ -379,16 +420,32 @@ int run_info(const InfoCommand& options) {
   auto bytes = std::get<net::MappedFile>(mapped).bytes();
   JsonValue facts = JsonValue::named({{"file", path}, {"type", ""}, {"bytes", bytes.size()}});
   bytes = bytes.first(std::min(bytes.size(), options.max_bytes));
+  std::vector<std::string> dataset_lines;
   if (const ContentType* type = content_type_by_mark(bytes); type && type->content == ContentClass::stream) {
     facts.put("type", type->name);
     if (!(is_outline_stream(bytes) ? describe_outlines : describe_stream)(facts, bytes, path, Budget(options.limits)))
       return kFailed;
     if (const auto changed = std::get<net::MappedFile>(mapped).changed()) return fail(local + ": " + *changed);
   } else {
+    // A file of datasets is listed even if none of them can be shown.
+    const ContentType& named = content_type_of(local, first_bytes(bytes));
+    if (named.holds_mesh && !bytes.empty() && !is_gzip(bytes)) {
+      Diagnostics ignored;
+      const ReadFile read_file = reader_beside(local, load_options(options).allowed);
+      const auto budget = std::make_shared<Budget>(options.limits);
+      const auto listed = list_datasets({bytes, local, read_file, budget, ignored});
+      if (const auto* const problem = std::get_if<std::string>(&listed))
+        return fail(local + ": " + std::string(named.name) + ": " + *problem);
+      dataset_lines = dataset_tree(std::get<std::vector<DatasetEntry>>(listed));
+      if (options.json) facts.put("datasets", dataset_list(std::get<std::vector<DatasetEntry>>(listed)));
+      facts.put("type", named.name);
+    }
     const auto input = open_input(options, path, MeshForm::world);
-    if (!input) return kFailed;
-    facts.put("type", input->type);
-    if (const auto* volume = std::get_if<qnv::VolumeSource>(&input->content)) {
+    if (!input && (dataset_lines.empty() || !options.component.dataset.empty())) return kFailed;
+    if (input) facts.put("type", input->type);
+    if (!input) {
+      // The list of datasets remains.
+    } else if (const auto* volume = std::get_if<qnv::VolumeSource>(&input->content)) {
       describe_volume(facts, *volume, deadline);
     } else if (const auto* geometry = std::get_if<qnv::Geometry>(&input->content)) {
       put_vectors(facts, *geometry);
@@ -403,6 +460,8 @@ int run_info(const InfoCommand& options) {
     print_text(facts.json());
   else
     for (const std::string& line : facts.lines()) print_line("%s", line.c_str());
+  if (!options.json)
+    for (const std::string& line : dataset_lines) print_line("%s", line.c_str());
   return kDone;
 }
 

@@ -1,6 +1,7 @@
 #include "app/formats/content_types.h"
 
 #include "app/formats/common/scene_builder.h"
+#include "app/formats/datasets/dataset_formats.h"
 #include "app/formats/foreign_types.h"
 #include "app/formats/gltf/gltf.h"
 #include "app/formats/gltf/gltf_splats.h"
@@ -24,6 +25,11 @@ extern const ContentType kPlyFormat, kObjFormat, kOffFormat, kStlFormat, kAvsGeo
     kVtuFormat, kVtkLegacyFormat;
 
 namespace {
+
+// Meshes in files of datasets. The row of the volumes has the same name.
+constexpr ContentType kHdf5MeshFormat = mesh_type("HDF5", "application/x-hdf5", "", nullptr, read_dataset_mesh),
+                      kNetcdfMeshFormat = mesh_type("NetCDF", "application/x-netcdf", "", nullptr, read_dataset_mesh),
+                      kXdmfMeshFormat = mesh_type("XDMF", "model/x-xdmf", "", nullptr, read_dataset_mesh);
 
 using Bytes = std::span<const std::byte>;
 
@@ -79,9 +85,26 @@ Asset read_vectors(const ImportSource& source) {
   return {};
 }
 
+/// Notes which dataset of several is shown, unless the user chose it.
+void note_dataset(const qnv::VolumeSource& volume, const ImportSource& source) {
+  std::string path, count;
+  for (const auto& [key, value] : volume.layout.metadata) {
+    if (key == kDatasetMetadata) path = value;
+    if (key == kDatasetsMetadata) count = value;
+  }
+  if (count.empty() || !source.component.dataset.empty()) return;
+  source.diagnostics.add({Severity::note,
+                          source.path,
+                          {},
+                          "shows " + path + ", one of " + count + " datasets (--dataset chooses another)"});
+}
+
 Asset read_volume(const ImportSource& source) {
   auto opened = open_volume(source.path, {}, {source.read_file, source.name, source.component}, source.budget);
-  if (auto* volume = std::get_if<qnv::VolumeSource>(&opened)) return std::move(*volume);
+  if (auto* volume = std::get_if<qnv::VolumeSource>(&opened)) {
+    note_dataset(*volume, source);
+    return std::move(*volume);
+  }
   // open_volume() puts the file name first. Remove it, because diagnostics have it too.
   std::string& problem = std::get<std::string>(opened);
   if (problem.starts_with(source.path + ": ")) problem.erase(0, source.path.size() + 2);
@@ -145,6 +168,11 @@ std::span<const ContentType> content_types() {
     for (const VolumeFormatName& volume : volume_format_names())
       all.push_back(
           {volume.name, volume.mime, volume.extensions, volume.sniff, ContentClass::volume, read_volume, volume.up});
+    for (const ContentType* const mesh : {&kHdf5MeshFormat, &kNetcdfMeshFormat, &kXdmfMeshFormat}) {
+      const auto row = std::ranges::find(all, mesh->name, &ContentType::name);
+      row->holds_mesh = holds_dataset_mesh;
+      row->mesh_type = mesh;
+    }
     return all;
   }();
   return types;
@@ -167,6 +195,10 @@ const ContentType& content_type_of(std::string_view path, Bytes bytes) {
     if (!named) named = type_by_name(path, types);
   if (!named) named = &content_types().front();
   return named->content == ContentClass::vrml && unknown_binary().sniff(bytes) ? unknown_binary() : *named;
+}
+
+const ContentType& type_of_content(const ContentType& type, const ImportSource& source) {
+  return type.holds_mesh && type.holds_mesh(source) ? *type.mesh_type : type;
 }
 
 std::optional<std::string> refuse_first_bytes(std::string_view path, Bytes first) {

@@ -19,6 +19,9 @@ namespace gs::app {
 /// its parser reports the best errors.
 [[nodiscard]] const ContentType& content_type_of(std::string_view path, std::span<const std::byte> bytes);
 
+/// Returns the type of a whole file of `type`, which may hold a mesh instead of a volume (ContentType::holds_mesh).
+[[nodiscard]] const ContentType& type_of_content(const ContentType& type, const ImportSource& source);
+
 /// Refuses a file if its name belongs to a type with a `mark` and the file does not begin with that mark. Returns the
 /// message, or nullopt to read the file. `first` may be limited to 8 KiB, so that a large file need not be mapped.
 [[nodiscard]] std::optional<std::string> refuse_first_bytes(std::string_view path, std::span<const std::byte> first);

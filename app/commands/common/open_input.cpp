@@ -112,6 +112,7 @@ bool open_mesh_input(const LoadingOptions& options, const ContentType& type, con
   const ReadFile read_file = [](const std::string&) -> BytesResult { throw RefersToFiles(); };
   const WorldBudget budget = budget_of(options, LoadLimit(deadline_of(options)));
   ImportSource source{bytes, path, read_file, budget, diagnostics};
+  source.component = options.component;
   source.local = true;
   Asset asset = read_asset(type, source, read_confined);
   auto* const mesh = std::get_if<MeshAsset>(&asset);
@@ -135,6 +136,18 @@ std::optional<MeshStream> large_mesh(const LoadingOptions& options, const Conten
   auto mesh = open_mesh_stream(file->bytes(), [file](std::size_t bytes) { file->put_aside(bytes); });
   if (!mesh || mesh->faces <= most_encoded_triangles(options.limits)) return std::nullopt;
   return mesh;
+}
+
+const ContentType& type_of_input(const InputOptions& options, const std::string& path,
+                                 std::span<const std::byte> bytes) {
+  const ContentType& type = content_type_of(path, first_bytes(bytes));
+  if (!type.holds_mesh) return type;
+  Diagnostics ignored;  // the reader reports problems
+  const WorldBudget budget = budget_of(options, LoadLimit(deadline_of(options)));
+  const ReadFile read_file = reader_beside(path, load_options(options).allowed);
+  ImportSource source{bytes, path, read_file, budget, ignored};
+  source.component = options.component;
+  return type_of_content(type, source);
 }
 
 }  // namespace
@@ -161,7 +174,7 @@ std::optional<OpenedInput> open_input(const InputOptions& options, const std::st
   }
   const auto file = std::make_shared<const net::MappedFile>(std::move(std::get<net::MappedFile>(mapped)));
   const auto all = file->bytes();
-  const ContentType& type = content_type_of(local, first_bytes(all));
+  const ContentType& type = type_of_input(options, local, all);
   std::optional<Opened> opened;
   OpenedInput input{{}, std::string(type.name), file_name(local), all.size(), {}, {}, nullptr};
   if (input.type == "glTF") input.losses = gltf_losses(all);

@@ -176,6 +176,33 @@ Problem set_component(CommandOptions& options, const std::string& value) {
   return {};
 }
 
+// Changes the choice of values for loading, and for the values of pictures and windows.
+template <class Change>
+Problem change_choice(CommandOptions& options, Change change) {
+  VoxelComponent& read = dynamic_cast<LoadOptions&>(options).component;
+  change(read);
+  if (auto* picture = dynamic_cast<PictureOptions*>(&options)) picture->volume.component = read;
+  return {};
+}
+
+Problem set_dataset(CommandOptions& options, const std::string& value) {
+  if (value.empty()) return "expected the path of a dataset; info lists them";
+  return change_choice(options, [&](VoxelComponent& choice) { choice.dataset = value; });
+}
+
+Problem set_channel(CommandOptions& options, const std::string& value) {
+  std::size_t channel = 0;
+  if (!read_count(value, channel)) return "expected an index from 0";
+  return change_choice(options, [&](VoxelComponent& choice) { choice.channel = channel; });
+}
+
+Problem set_globe(CommandOptions& options, const std::string& value) {
+  if (value != "yes" && value != "no" && value != "auto") return "expected yes, no or auto";
+  return change_choice(options, [&](VoxelComponent& choice) {
+    choice.globe = value == "auto" ? std::nullopt : std::optional(value == "yes");
+  });
+}
+
 // Sets whether voxels are labels, for loading, and for the values of pictures and windows.
 Problem set_labels(CommandOptions& options, const std::string& value) {
   if (value != "yes" && value != "no" && value != "auto") return "expected yes, no or auto";
@@ -242,6 +269,15 @@ constexpr OptionRow kPictureOptions[] = {
      "read this component of voxels with several numbers, such as colours or vectors: an index from 0, or magnitude, "
      "the length of the vector",
      "open animate encode export info ", set_component},
+    {"--dataset", "PATH", "",
+     "read this dataset of a file with several (HDF5, NetCDF, XDMF): its path, or the end of it; info lists them",
+     "open animate encode export info ", set_dataset},
+    {"--channel", "N", "",
+     "read this index, from 0, along the axes of a dataset that are neither space nor time nor components",
+     "open animate encode export info ", set_channel},
+    {"--globe", "yes|no|auto", "auto",
+     "draw longitudes and latitudes as a globe instead of a plane; auto does so for meshes of the whole globe",
+     "open animate encode export info ", set_globe},
     {"--labels", "yes|no|auto", "auto",
      "read the voxels as labels of a segmentation, which are never interpolated; auto follows the file (NIfTI, NRRD of "
      "3D Slicer)",

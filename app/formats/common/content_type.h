@@ -38,6 +38,9 @@ struct ContentType {
   std::string_view mark = {};                     // first bytes of each file of this type; empty if they vary
   std::string_view remedy = {};                   // advice to users, if the type is recognised but not read; else empty
   vrml::Grammar grammar = vrml::Grammar::vrml97;  // ContentClass::vrml only: reader of the text
+  /// Volume: returns true if a whole file of this type is a mesh instead, with the type `mesh_type`. Null if none is.
+  bool (*holds_mesh)(const ImportSource& source) = nullptr;
+  const ContentType* mesh_type = nullptr;
 
   /// Returns the error for a file of a type with a `remedy`: "STEP cannot be read; open it in ...".
   [[nodiscard]] std::string refusal() const { return std::string(name) + " cannot be read; " + std::string(remedy); }

@@ -106,11 +106,25 @@ class TransferReader {
 
 // ---- Requests
 
+/// Codes of a choice that may be left open: 0, or 1 for no and 2 for yes.
+std::uint8_t truth_code(std::optional<bool> choice) { return !choice ? 0 : *choice ? 2 : 1; }
+std::optional<bool> read_truth_code(TransferReader& from) {
+  const auto code = from.value<std::uint8_t>();
+  return code == 0 ? std::nullopt : std::optional(code == 2);
+}
+
 void write(TransferWriter& to, const VoxelComponent& component) {
   to.value(component.index);
   to.value<std::uint8_t>(component.chosen);
   to.value<std::uint8_t>(component.magnitude);
-  to.value<std::uint8_t>(component.labels ? (*component.labels ? 2 : 1) : 0);
+  to.value(truth_code(component.labels));
+  to.text(component.dataset);
+  to.value<std::uint8_t>(component.channel.has_value());
+  to.value<std::uint64_t>(component.channel.value_or(0));
+  to.value(truth_code(component.globe));
+  to.value<std::uint8_t>(!component.step ? 0 : component.step->time ? 2 : 1);
+  to.value<std::uint32_t>(component.step ? component.step->number : 0);
+  to.value<double>(component.step ? component.step->time.value_or(0) : 0);
 }
 
 VoxelComponent read_component(TransferReader& from) {
@@ -118,7 +132,16 @@ VoxelComponent read_component(TransferReader& from) {
   component.index = from.value<std::uint32_t>();
   component.chosen = from.truth();
   component.magnitude = from.truth();
-  if (const auto labels = from.value<std::uint8_t>(); labels != 0) component.labels = labels == 2;
+  component.labels = read_truth_code(from);
+  component.dataset = from.text();
+  const bool has_channel = from.truth();
+  const auto channel = from.value<std::uint64_t>();
+  if (has_channel) component.channel = channel;
+  component.globe = read_truth_code(from);
+  const auto step = from.value<std::uint8_t>();
+  const auto number = from.value<std::uint32_t>();
+  const auto time = from.value<double>();
+  if (step != 0) component.step = qnv::ShownStep{number, step == 2 ? std::optional(time) : std::nullopt};
   return component;
 }
 

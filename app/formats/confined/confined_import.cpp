@@ -3,6 +3,7 @@
 #include "app/confined/decoder_pool.h"
 #include "app/formats/confined/asset_transfer.h"
 #include "app/formats/content_types.h"
+#include "app/formats/datasets/dataset_formats.h"
 
 #include <algorithm>
 #include <chrono>
@@ -20,7 +21,8 @@ constexpr std::size_t kMostReferences = 10'000;      // files that one file may 
 
 bool is_confined(const ContentType& type, const ImportSource& source) {
   const bool plain = (type.content == ContentClass::mesh && !type.has_nodes) || type.content == ContentClass::splats;
-  return plain && !DecoderPool::of_program().program().empty() &&
+  // Datasets need a module that a confined child cannot load.
+  return plain && type.read != read_dataset_mesh && !DecoderPool::of_program().program().empty() &&
          !(source.local && source.bytes.size() > kMostLocalBytes);
 }
 

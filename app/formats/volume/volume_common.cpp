@@ -107,19 +107,6 @@ bool read_stored(const StoredVoxels& voxels, std::uint64_t slice_voxels, std::ui
   return !voxels.content.file->changed();
 }
 
-/// Moves the coordinates to a local origin if the volume is far from 0.
-void set_base(qnv::VolumeLayout& layout) {
-  WideBox box;
-  for (unsigned corner = 0; corner < 8; ++corner) {
-    glm::dvec3 place = layout.origin;
-    for (unsigned i = 0; i < 3; ++i)
-      if (corner >> i & 1) place += glm::dvec3(layout.axes[i]) * (static_cast<double>(layout.dimensions[i]) - 1);
-    box.add(place);
-  }
-  layout.base = qnv::local_origin(box);
-  layout.origin -= layout.base;
-}
-
 // Converts doubles to a smaller type, in place. If a value does not fit, returns false and changes nothing.
 template <class T>
 bool narrow(std::span<std::byte> bytes) {
@@ -245,6 +232,18 @@ std::variant<std::uint64_t, std::string> stored_size(const qnv::VolumeLayout& la
   if (components == 0 || components > kMaxComponents)
     return std::to_string(components) + " components per voxel; expected 1 to " + std::to_string(kMaxComponents);
   return qnv::voxel_count(layout) * size_of(type) * components;  // below 2^(48 + 3 + 12)
+}
+
+void set_base(qnv::VolumeLayout& layout) {
+  WideBox box;
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    glm::dvec3 place = layout.origin;
+    for (unsigned i = 0; i < 3; ++i)
+      if (corner >> i & 1) place += glm::dvec3(layout.axes[i]) * (static_cast<double>(layout.dimensions[i]) - 1);
+    box.add(place);
+  }
+  layout.base = qnv::local_origin(box);
+  layout.origin -= layout.base;
 }
 
 VolumeResult make_source(qnv::VolumeLayout layout, StoredVoxels voxels) {

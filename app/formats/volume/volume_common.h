@@ -101,6 +101,8 @@ struct StoredVoxels {
 /// Repairs the position of a volume. Axes that are not finite, zero or coplanar become unit axes. A non-finite origin
 /// becomes 0, an invalid slope 1.
 void mend(qnv::VolumeLayout& layout);
+/// Moves the coordinates to a local origin if the volume is far from 0.
+void set_base(qnv::VolumeLayout& layout);
 
 /// Parses up to `most` numbers, separated by blanks, commas, parentheses or brackets. Stops at any other character.
 [[nodiscard]] std::vector<double> numbers_of(std::string_view text, std::size_t most);
@@ -128,6 +130,11 @@ struct VolumeFormat {
 [[nodiscard]] bool is_fits(std::span<const std::byte> bytes);
 [[nodiscard]] bool is_slc(std::span<const std::byte> bytes);
 [[nodiscard]] bool is_vti(std::span<const std::byte> bytes);
+// Files of several datasets are in app/formats/datasets.
+[[nodiscard]] bool is_hdf5(std::span<const std::byte> bytes);
+[[nodiscard]] bool is_classic_netcdf(std::span<const std::byte> bytes);
+[[nodiscard]] bool is_xdmf(std::span<const std::byte> bytes);
+[[nodiscard]] VolumeResult open_datasets(const VolumeFile& file);
 [[nodiscard]] VolumeResult open_avs_field(const VolumeFile& file);
 [[nodiscard]] VolumeResult open_nrrd(const VolumeFile& file);
 [[nodiscard]] VolumeResult open_meta_image(const VolumeFile& file);

@@ -104,6 +104,7 @@ class MeshContent final : public SceneContent {
     const PhaseScope phase(loading.options.phases, Phase::parse);
     ImportSource source{bytes, found.path, loading.fetcher.reader_of(found.origin), loading.budget,
                         loading.results.diagnostics()};
+    source.component = loading.options.component;
     source.for_x3d = target_.in_x3d();
     source.local = found.local;
     auto scene = import_scene(type_, source, read_confined);
@@ -166,6 +167,56 @@ class VectorContent final : public SceneContent {
   vrml::NodeId node_;
 };
 
+/// Volume or mesh; the whole file decides.
+class DatasetContent final : public SceneContent {
+ public:
+  DatasetContent(SceneTarget& target, const ContentType& type)
+      : target_(target), type_(type), share_(target.loading().budget, Resource::files) {}
+
+  bool whole_file(const net::MappedFile& file, const std::string& path) override {
+    choose(file.bytes());
+    return content_->whole_file(file, path);
+  }
+  void receive(std::span<const std::byte> bytes) override {
+    if (!share_.grow(bytes.size())) {
+      target_.refuse_size();
+      bytes_ = {};
+      return;
+    }
+    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+  }
+  void end(bool damaged) override {
+    choose(bytes_);
+    const std::vector<std::byte> bytes = std::exchange(bytes_, {});
+    share_.shrink_to(0);  // the content counts them again
+    content_->receive(bytes);
+    if (!target_.refused()) content_->end(damaged);
+  }
+
+ private:
+  void choose(std::span<const std::byte> bytes) {
+    Loading& loading = target_.loading();
+    const Found& found = target_.found();
+    const ReadFile read_file = loading.fetcher.reader_of(found.origin);
+    Diagnostics ignored;  // the content reports problems
+    ImportSource source{bytes, found.path, read_file, loading.budget, ignored};
+    source.component = loading.options.component;
+    const ContentType& type = type_of_content(type_, source);
+    target_.set_type(type);
+    if (type.content == ContentClass::mesh)
+      content_ = std::make_unique<MeshContent>(target_, type);
+    else
+      content_ = std::make_unique<VectorContent>(target_);
+    content_->cut = cut;
+  }
+
+  SceneTarget& target_;
+  const ContentType& type_;
+  std::vector<std::byte> bytes_;
+  Share share_;  // of `bytes_`
+  std::unique_ptr<SceneContent> content_;
+};
+
 /// Stream of outlines.
 class OutlineContent final : public SceneContent {
  public:
@@ -201,6 +252,7 @@ class OutlineContent final : public SceneContent {
 std::unique_ptr<SceneContent> content_for(SceneTarget& target, const ContentType& type,
                                           std::span<const std::byte> first) {
   if (type.content == ContentClass::mesh) return std::make_unique<MeshContent>(target, type);
+  if (type.holds_mesh) return std::make_unique<DatasetContent>(target, type);
   if (!type.is_geometry()) return std::make_unique<TextContent>(target, type.grammar);
   if (is_outline_stream(first)) return std::make_unique<OutlineContent>(target);
   return std::make_unique<VectorContent>(target);

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+// Interface between the program and the module that links libraries of scientific formats (docs/decisions/0048). It
+// uses the standard library only, because both are built apart.
+namespace gs::app {
+
+/// Type of numbers as ArrayFile::read() gives them, in native byte order. The order is that of StoredType.
+enum class NumberType : std::uint8_t { u8, i8, u16, i16, u32, i32, f32, f64, u64, i64, none };
+
+/// Attribute of an array or a group: numbers or texts.
+struct ArrayAttribute {
+  std::string name;
+  std::vector<double> numbers;
+  std::vector<std::string> texts;
+};
+
+/// Array in a file. Each element is one number, or several of the same type.
+struct ArrayInfo {
+  std::string path;                  // "/data/1/meshes/E/x"
+  std::vector<std::uint64_t> shape;  // slowest axis first; empty for a single element
+  NumberType type = NumberType::none;
+  std::uint32_t parts = 1;                // numbers of an element
+  std::vector<std::string> part_names{};  // names of these numbers, or none
+  std::string type_name{};                // type as stored: "f32", "u16be", "2 x f64 (r, i)", "text"
+  std::vector<std::uint64_t> chunk{};     // shape of the parts that are stored together, or none
+  std::vector<std::string> dimensions{};  // name of each axis, or of none; a path if it is an array of the file
+  std::string problem{};                  // reason why read() cannot work, or none
+};
+
+/// Open file of arrays. One thread at a time.
+class ArrayFile {
+ public:
+  virtual ~ArrayFile() = default;
+
+  /// Returns the arrays in the order of the file.
+  [[nodiscard]] virtual const std::vector<ArrayInfo>& arrays() const = 0;
+  /// Returns the paths of the groups without the root, in the order of the file.
+  [[nodiscard]] virtual const std::vector<std::string>& groups() const = 0;
+  /// Returns the attributes of an array or a group; "/" is the root. Unknown paths have none.
+  [[nodiscard]] virtual std::vector<ArrayAttribute> attributes(const std::string& path) = 0;
+  /// Reads the box of elements that begins at `first` and has `count` elements per axis. `to` must have its size.
+  /// Returns an empty text, or a message.
+  [[nodiscard]] virtual std::string read(std::size_t array, std::span<const std::uint64_t> first,
+                                         std::span<const std::uint64_t> count, std::span<std::byte> to) = 0;
+};
+
+/// Bytes of a file, with their owner.
+struct ArrayBytes {
+  std::shared_ptr<const void> owner;
+  std::span<const std::byte> bytes;
+};
+using ArrayFileResult = std::variant<std::shared_ptr<ArrayFile>, std::string>;
+
+/// Reader of a kind of file.
+struct ArrayReader {
+  std::string_view name;  // "HDF5"
+  /// Opens a file. Never opens a path. `cache_bytes` limits the memory for decompressed data. Returns a message on
+  /// failure.
+  ArrayFileResult (*open)(ArrayBytes bytes, std::size_t cache_bytes);
+};
+
+/// Table of readers that the module exports, under the name kDatasetModuleEntry.
+struct DatasetModule {
+  static constexpr std::uint32_t kVersion = 1;  // changes with this header
+  std::uint32_t version = kVersion;
+  std::span<const ArrayReader> readers;
+};
+using DatasetModuleEntry = const DatasetModule* (*)();
+inline constexpr const char* kDatasetModuleEntry = "ghostspace_dataset_module";
+
+/// Returns the bytes of a number; 0 for none.
+[[nodiscard]] inline std::size_t size_of(NumberType type) {
+  constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 4, 8, 8, 8, 0};
+  return kSizes[static_cast<std::size_t>(type)];
+}
+
+}  // namespace gs::app

@@ -1,0 +1,155 @@
+#include "app/formats/datasets/conventions/dataset_file.h"
+
+#include "app/formats/datasets/arrays/classic_netcdf.h"
+#include "app/formats/datasets/arrays/dataset_module.h"
+#include "app/formats/datasets/conventions/conventions_table.h"
+#include "app/formats/datasets/conventions/xdmf.h"
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+constexpr Convention kConventions[] = {
+    {"VTKHDF", suits_vtkhdf, list_vtkhdf, vtkhdf_volume, vtkhdf_mesh},
+    {"openPMD", suits_openpmd, list_openpmd, openpmd_volume, openpmd_mesh},
+    {"CF", suits_cf, list_cf, cf_volume, cf_mesh},
+    {"plain", suits_any, list_plain, plain_volume, nullptr},
+};
+
+/// File of arrays with a convention.
+class TreeFile final : public DatasetFile {
+ public:
+  explicit TreeFile(DatasetTree tree) : tree_(std::move(tree)) {
+    convention_ = std::ranges::find_if(kConventions, [this](const Convention& one) { return one.suits(tree_); });
+    entries_ = convention_->list(tree_);
+  }
+  const std::vector<DatasetEntry>& entries() const override { return entries_; }
+  VolumeResult volume(std::size_t entry, const VoxelComponent& choice) override {
+    VolumeResult result = convention_->volume(tree_, entries_[entry], choice);
+    if (auto* problem = std::get_if<std::string>(&result)) *problem = entries_[entry].path + ": " + *problem;
+    return result;
+  }
+  void mesh(std::size_t entry, const VoxelComponent& choice, MeshBuilder& builder) override {
+    if (convention_->mesh) convention_->mesh(tree_, entries_[entry], choice, builder);
+  }
+
+ private:
+  DatasetTree tree_;
+  const Convention* convention_;
+  std::vector<DatasetEntry> entries_;
+};
+
+/// Returns the number of changes that turn one text into another (Levenshtein).
+std::size_t distance_of(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t corner = row[0];
+    row[0] = i + 1;
+    for (std::size_t k = 0; k < b.size(); ++k) {
+      const std::size_t above = row[k + 1];
+      row[k + 1] = std::min({above + 1, row[k] + 1, corner + (a[i] == b[k] ? 0 : 1)});
+      corner = above;
+    }
+  }
+  return row.back();
+}
+
+std::string nearest_names(std::span<const DatasetEntry> entries, std::string_view choice) {
+  constexpr std::size_t kMostNames = 5, kMostCompared = 10'000, kLongest = 200;
+  std::vector<std::pair<std::size_t, std::string_view>> near;
+  const std::string wanted = lower_case(name_of_path(choice.substr(0, kLongest)));
+  for (const DatasetEntry& entry : entries.first(std::min(entries.size(), kMostCompared))) {
+    if (entry.form == DatasetForm::nothing) continue;
+    const std::string name = lower_case(name_of_path(entry.path));
+    const bool part = !wanted.empty() && name.find(wanted) != std::string::npos;
+    near.emplace_back(part ? 0 : distance_of(std::string_view(name).substr(0, kLongest), wanted), entry.path);
+  }
+  std::ranges::stable_sort(near, {}, &std::pair<std::size_t, std::string_view>::first);
+  std::string text;
+  for (std::size_t i = 0; i < std::min(near.size(), kMostNames); ++i)
+    text += (i == 0 ? "" : ", ") + std::string(near[i].second);
+  return text;
+}
+
+}  // namespace
+
+std::span<const Convention> conventions() { return kConventions; }
+
+bool is_hdf5(std::span<const std::byte> bytes) {
+  constexpr std::string_view kMark("\x89HDF\r\n\x1a\n", 8);
+  // A user block of 512, 1024, 2048, ... bytes may precede the mark.
+  constexpr std::size_t kFirst = 512, kMost = 32768;
+  for (std::size_t at = 0; at + kMark.size() <= bytes.size() && at <= kMost; at = at == 0 ? kFirst : at * 2)
+    if (std::memcmp(bytes.data() + at, kMark.data(), kMark.size()) == 0) return true;
+  return false;
+}
+
+std::optional<DatasetFormat> dataset_format_of(std::string_view path, std::span<const std::byte> bytes) {
+  if (is_hdf5(bytes)) return DatasetFormat::hdf5;
+  if (is_classic_netcdf(bytes)) return DatasetFormat::netcdf;
+  const std::string name = lower_case(path);
+  if (is_xdmf(bytes) || name.ends_with(".xdmf") || name.ends_with(".xmf")) return DatasetFormat::xdmf;
+  return std::nullopt;
+}
+
+DatasetFileResult open_dataset_file(DatasetFormat format, const VolumeFile& file) {
+  if (format == DatasetFormat::xdmf) return open_xdmf_file(file);
+  constexpr std::uint64_t kMostCache = std::uint64_t{64} << 20;
+  const auto cache = static_cast<std::size_t>(std::min(file.budget->left(Resource::volumes) / 8, kMostCache));
+  ArrayFileResult opened = format == DatasetFormat::netcdf
+                               ? open_classic_netcdf({file.content.owner, file.content.bytes})
+                               : open_with_module("HDF5", file.content, cache);
+  if (auto* problem = std::get_if<std::string>(&opened)) return std::move(*problem);
+  auto made = std::make_unique<TreeFile>(
+      DatasetTree(std::get<std::shared_ptr<ArrayFile>>(std::move(opened)), file.content, file.budget));
+  return std::unique_ptr<DatasetFile>(std::move(made));
+}
+
+std::variant<std::size_t, std::string> choose_dataset(std::span<const DatasetEntry> entries, std::string_view choice) {
+  if (choice.empty()) {
+    const DatasetEntry* best = nullptr;
+    for (const DatasetEntry& entry : entries)
+      if (entry.form != DatasetForm::nothing && (!best || entry.rank > best->rank)) best = &entry;
+    if (best) return static_cast<std::size_t>(best - entries.data());
+    for (const DatasetEntry& entry : entries)
+      if (!entry.note.empty()) return entry.path + ": " + entry.note;
+    return "none of its " + std::to_string(entries.size()) +
+           " datasets can be shown; expected numbers along 2 to 5 axes (info lists the datasets)";
+  }
+  const auto shown = [&](std::size_t i) -> std::variant<std::size_t, std::string> {
+    if (entries[i].form != DatasetForm::nothing) return i;
+    return entries[i].path + " cannot be shown: " +
+           (entries[i].note.empty() ? "it is " + entries[i].type + ", " + shape_text(entries[i].shape) +
+                                          "; expected numbers along 2 to 5 axes"
+                                    : entries[i].note);
+  };
+  std::string path(choice);
+  if (!path.starts_with('/')) path.insert(0, "/");
+  for (std::size_t i = 0; i < entries.size(); ++i)
+    if (entries[i].path == path) return shown(i);
+  std::optional<std::size_t> ending;
+  for (std::size_t i = 0; i < entries.size(); ++i)
+    if (entries[i].path.ends_with(path)) {
+      if (ending)
+        return "several datasets end with '" + std::string(choice) + "': " + entries[*ending].path + ", " +
+               entries[i].path;
+      ending = i;
+    }
+  if (ending) return shown(*ending);
+  const std::string near = nearest_names(entries, choice);
+  return "no dataset '" + std::string(choice) + "'" + (near.empty() ? "" : "; the nearest ones are " + near);
+}
+
+std::string shape_text(std::span<const std::uint64_t> shape) {
+  if (shape.empty()) return "1 value";
+  std::string text;
+  for (const std::uint64_t size : shape) text += (text.empty() ? "" : " x ") + std::to_string(size);
+  return text;
+}
+
+}  // namespace gs::app

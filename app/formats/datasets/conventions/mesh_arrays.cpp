@@ -1,0 +1,54 @@
+#include "app/formats/datasets/conventions/mesh_arrays.h"
+
+#include "base/text.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gs::app {
+
+bool is_bookkeeping(std::string_view name) {
+  const std::string lower = lower_case(name);
+  static constexpr std::string_view kParts[] = {"vtkoriginal",   "vtkghost",    "globalnodeid",     "globalelementid",
+                                                "globalid",      "pedigree",    "objectid",         "processid",
+                                                "vtkvalidpoint", "originalids", "vtkcompositeindex"};
+  return std::ranges::any_of(kParts, [&](std::string_view part) { return lower.find(part) != std::string::npos; });
+}
+
+void append_values(std::span<const double> numbers, std::size_t parts, PolyData::Data& data) {
+  if (parts == 0) return;
+  data.values.reserve(data.values.size() + numbers.size() / parts);
+  for (std::size_t i = 0; i + parts <= numbers.size(); i += parts) {
+    double value = numbers[i];
+    if (parts > 1) {
+      double square = 0;
+      for (std::size_t k = 0; k < parts; ++k) square += numbers[i + k] * numbers[i + k];
+      value = std::sqrt(square);
+    }
+    data.values.push_back(static_cast<float>(value));
+  }
+}
+
+void set_title(std::string_view name, std::size_t parts, std::string_view unit, PolyData::Data& data) {
+  data.title = shortened(name, 80);
+  if (parts > 1) data.title += " (length)";
+  if (!unit.empty()) data.title += " (" + shortened(unit, 40) + ")";
+}
+
+void append_points(std::span<const double> numbers, std::size_t parts, std::vector<glm::vec3>& points) {
+  if (parts == 0 || parts > 3) return;
+  points.reserve(points.size() + numbers.size() / parts);
+  for (std::size_t i = 0; i + parts <= numbers.size(); i += parts) {
+    glm::vec3 point(0);
+    for (std::size_t k = 0; k < parts; ++k) point[static_cast<int>(k)] = static_cast<float>(numbers[i + k]);
+    points.push_back(point);
+  }
+}
+
+std::int32_t index_below(double number, std::size_t count) {
+  return number >= 0 && number < static_cast<double>(std::min<std::size_t>(count, kBadIndex))
+             ? static_cast<std::int32_t>(number)
+             : kBadIndex;
+}
+
+}  // namespace gs::app

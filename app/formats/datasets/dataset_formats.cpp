@@ -1,0 +1,95 @@
+#include "app/formats/datasets/dataset_formats.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+VolumeFile volume_file(const ImportSource& source) {
+  return {source.path,
+          source.name.empty() ? file_name(source.path) : source.name,
+          SharedBytes{nullptr, source.bytes},
+          source.read_file,
+          source.budget,
+          source.component};
+}
+
+DatasetFileResult open_any_dataset_file(const VolumeFile& file) {
+  const auto format = dataset_format_of(file.name, file.content.bytes);
+  if (!format) return std::string("the first bytes are those of neither HDF5 nor NetCDF; the file may be damaged");
+  return open_dataset_file(*format, file);
+}
+
+/// File with a chosen dataset.
+struct ChosenDataset {
+  std::unique_ptr<DatasetFile> file;
+  std::size_t entry = 0;
+
+  [[nodiscard]] DatasetForm form(const VoxelComponent& choice) const { return file->entries()[entry].form_for(choice); }
+};
+
+std::variant<ChosenDataset, std::string> open_chosen(const VolumeFile& file) {
+  auto opened = open_any_dataset_file(file);
+  if (auto* const problem = std::get_if<std::string>(&opened)) return std::move(*problem);
+  ChosenDataset chosen{std::get<std::unique_ptr<DatasetFile>>(std::move(opened)), 0};
+  auto entry = choose_dataset(chosen.file->entries(), file.component.dataset);
+  if (auto* const problem = std::get_if<std::string>(&entry)) return std::move(*problem);
+  chosen.entry = std::get<std::size_t>(entry);
+  return chosen;
+}
+
+std::size_t shown_datasets(std::span<const DatasetEntry> entries) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      entries, [](const DatasetEntry& one) { return one.form != DatasetForm::nothing && !one.is_minor; }));
+}
+
+}  // namespace
+
+VolumeResult open_datasets(const VolumeFile& file) {
+  auto opened = open_chosen(file);
+  if (auto* const problem = std::get_if<std::string>(&opened)) return std::move(*problem);
+  auto& chosen = std::get<ChosenDataset>(opened);
+  const DatasetEntry& entry = chosen.file->entries()[chosen.entry];
+  if (entry.form_for(file.component) == DatasetForm::mesh) return entry.path + " is a mesh; expected a volume";
+  VolumeResult result = chosen.file->volume(chosen.entry, file.component);
+  const std::size_t shown = shown_datasets(chosen.file->entries());
+  if (auto* const volume = std::get_if<qnv::VolumeSource>(&result); volume && shown > 1)
+    add_metadata(volume->layout, kDatasetsMetadata, std::to_string(shown));
+  return result;
+}
+
+bool holds_dataset_mesh(const ImportSource& source) {
+  const auto opened = open_chosen(volume_file(source));
+  const auto* const chosen = std::get_if<ChosenDataset>(&opened);
+  return chosen && chosen->form(source.component) == DatasetForm::mesh;
+}
+
+Asset read_dataset_mesh(const ImportSource& source) {
+  MeshBuilder builder(source.path, source.budget, source.diagnostics);
+  try {
+    auto opened = open_chosen(volume_file(source));
+    if (const auto* const problem = std::get_if<std::string>(&opened)) {
+      builder.fail(*problem);
+    } else {
+      auto& chosen = std::get<ChosenDataset>(opened);
+      const DatasetEntry& entry = chosen.file->entries()[chosen.entry];
+      const std::size_t shown = shown_datasets(chosen.file->entries());
+      if (source.component.dataset.empty() && shown > 1)
+        builder.note("shows " + entry.path + ", one of " + std::to_string(shown) +
+                     " datasets (--dataset chooses another)");
+      chosen.file->mesh(chosen.entry, source.component, builder);
+    }
+  } catch (const OutOfBudget&) {
+    builder.cut_short();
+  }
+  return builder.take();
+}
+
+std::variant<std::vector<DatasetEntry>, std::string> list_datasets(const ImportSource& source) {
+  auto opened = open_any_dataset_file(volume_file(source));
+  if (auto* const problem = std::get_if<std::string>(&opened)) return std::move(*problem);
+  return std::get<std::unique_ptr<DatasetFile>>(opened)->entries();
+}
+
+}  // namespace gs::app

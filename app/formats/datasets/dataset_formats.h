@@ -1,0 +1,23 @@
+#pragma once
+
+#include "app/formats/common/content_type.h"
+#include "app/formats/datasets/conventions/dataset_file.h"
+
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace gs::app {
+
+/// Returns true if the chosen dataset of a file is a mesh. A file that cannot be opened has none.
+[[nodiscard]] bool holds_dataset_mesh(const ImportSource& source);
+/// Reads the chosen dataset of a file as a mesh.
+[[nodiscard]] Asset read_dataset_mesh(const ImportSource& source);
+
+/// Lists the datasets of a file that open_dataset_file() opens. Returns a message on failure.
+[[nodiscard]] std::variant<std::vector<DatasetEntry>, std::string> list_datasets(const ImportSource& source);
+
+/// Metadata keys of a volume from a file of datasets: the path of the dataset, and a note if the file has several.
+inline constexpr std::string_view kDatasetMetadata = "dataset", kDatasetsMetadata = "datasets";
+
+}  // namespace gs::app

@@ -1,0 +1,18 @@
+#include "app/formats/datasets/arrays/array_file.h"
+#include "app/formats/datasets/module/hdf5_file.h"
+
+namespace gs::app {
+namespace {
+
+// Readers of the module. A new format is one row here, and one row in the table of volumes.
+constexpr ArrayReader kModuleReaders[] = {
+    {"HDF5", open_hdf5_arrays},
+};
+
+}  // namespace
+}  // namespace gs::app
+
+extern "C" __attribute__((visibility("default"))) const gs::app::DatasetModule* ghostspace_dataset_module() {
+  static const gs::app::DatasetModule module{gs::app::DatasetModule::kVersion, gs::app::kModuleReaders};
+  return &module;
+}
