@@ -179,7 +179,12 @@ bool run_volume(const VolumeFormat& format, std::span<const std::byte> bytes) {
   if (qnv::voxel_count(source->layout) > std::size_t{1} << 18) return false;
   std::vector<std::byte> scratch;
   std::vector<float> slice(qnv::slice_voxels(source->layout));
-  for (std::uint32_t z = 0; z < source->layout.dimensions[2]; ++z) require(read_slice(*source, z, scratch, slice));
+  // Parts of a file of datasets are decoded when they are read, so that damage shows late.
+  for (std::uint32_t z = 0; z < source->layout.dimensions[2]; ++z)
+    if (!read_slice(*source, z, scratch, slice)) {
+      require(format.open == open_datasets);
+      return false;
+    }
   qnv::GradientOptions options;
   options.threads = 1;
   const auto vectors = qnv::gradient_vectors(*source, options);

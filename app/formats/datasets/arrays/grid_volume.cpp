@@ -22,8 +22,11 @@ struct Resampling {
     std::uint32_t below = 0, above = 0;
     float weight = 0;  // of the element above
   };
-  std::vector<Place> places;
+  std::vector<Place> places{};  // none if the elements are evenly spaced
+  std::uint64_t count = 0;
   double first = 0, step = 1;
+
+  [[nodiscard]] Place place(std::uint32_t i) const { return places.empty() ? Place{i, i, 0} : places[i]; }
 };
 
 /// Reads one component of one step of a volume. The indices of the other axes are constant.
@@ -131,6 +134,7 @@ Resampling resampling_of(std::span<const double> positions) {
   const auto places = static_cast<std::size_t>(std::max(std::ceil(wanted), static_cast<double>(count - 1))) + 1;
   made.first = positions.front();
   made.step = extent / static_cast<double>(places - 1);
+  made.count = places;
   std::size_t below = 0;
   for (std::size_t i = 0; i < places; ++i) {
     const double at = made.first + made.step * static_cast<double>(i);
@@ -145,8 +149,7 @@ Resampling resampling_of(std::span<const double> positions) {
 Resampling identity_of(const GridAxis* axis, std::uint64_t count) {
   Resampling made;
   if (axis) made.first = axis->first, made.step = axis->step;
-  made.places.resize(static_cast<std::size_t>(count));
-  for (std::uint32_t i = 0; i < made.places.size(); ++i) made.places[i] = {i, i, 0};
+  made.count = count;
   return made;
 }
 
@@ -246,8 +249,8 @@ class GridBuilder {
       const bool resample = axis && axis->positions.size() == reader.size()[i] && ascends_strictly(axis->positions);
       along_[i] = resample ? resampling_of(axis->positions) : identity_of(axis, reader.size()[i]);
       uneven = uneven || resample;
-      if (along_[i].places.size() > std::numeric_limits<std::uint32_t>::max()) return "an axis is too long";
-      layout_.dimensions[i] = static_cast<std::uint32_t>(along_[i].places.size());
+      if (along_[i].count > std::numeric_limits<std::uint32_t>::max()) return "an axis is too long";
+      layout_.dimensions[i] = static_cast<std::uint32_t>(along_[i].count);
       const auto column = static_cast<int>(i);
       layout_.axes[i] = glm::vec3(spec_->directions[column] * along_[i].step);
       origin += spec_->directions[column] * along_[i].first;
@@ -316,17 +319,19 @@ class GridBuilder {
     return [read = std::move(read), along = along_, nearest = nearest_, width = axis_size(0),
             below = std::vector<double>(),
             above = std::vector<double>()](std::uint32_t z, std::span<std::byte> to) mutable {
-      const std::size_t columns = along[0].places.size(), rows = along[1].places.size();
-      if (z >= along[2].places.size() || to.size() != columns * rows * sizeof(float)) return false;
-      const Resampling::Place& place = along[2].places[z];
+      const auto columns = static_cast<std::uint32_t>(along[0].count),
+                 rows = static_cast<std::uint32_t>(along[1].count);
+      if (z >= along[2].count || to.size() != std::size_t{columns} * rows * sizeof(float)) return false;
+      const Resampling::Place place = along[2].place(z);
       if (!read(place.below, below)) return false;
       if (place.weight > 0) {
         if (!read(place.above, above)) return false;
         for (std::size_t i = 0; i < below.size(); ++i) below[i] = mixed(below[i], above[i], place.weight, nearest);
       }
       std::byte* next = to.data();
-      for (const Resampling::Place& row : along[1].places)
-        for (const Resampling::Place& column : along[0].places) {
+      for (std::uint32_t y_to = 0; y_to < rows; ++y_to)
+        for (std::uint32_t x_to = 0; x_to < columns; ++x_to) {
+          const Resampling::Place row = along[1].place(y_to), column = along[0].place(x_to);
           const auto at = [&](std::uint32_t y) {
             const double* const values = below.data() + std::size_t{y} * width;
             return column.weight > 0 ? mixed(values[column.below], values[column.above], column.weight, nearest)

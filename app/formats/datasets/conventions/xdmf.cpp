@@ -304,6 +304,7 @@ class XdmfFile final : public DatasetFile {
         XdmfElement one;
         one.name = "Geometry";
         one.children.push_back(std::make_unique<XdmfElement>());
+        one.children.back()->name = "DataItem";
         one.children.back()->attributes = child->attributes;
         one.children.back()->text = child->text;
         auto numbers = numbers_in(one);

@@ -1,5 +1,7 @@
 #include "app/formats/datasets/module/hdf5_driver.h"
 
+#include "app/formats/datasets/module/hdf5_filters.h"
+
 #include <cstring>
 
 // File driver of HDF5 that reads bytes in memory. It opens no path: links to other files and virtual datasets with
@@ -100,6 +102,7 @@ Hdf5Scope::Hdf5Scope() : lock_(hdf5_mutex()) {
   static const bool prepared = [] {
     (void)H5PLset_loading_state(0);
     (void)H5Lunregister(H5L_TYPE_EXTERNAL);
+    register_hdf5_filters();
     return memory_driver_id() >= 0;
   }();
   (void)prepared;
