@@ -10,6 +10,7 @@
 #include "app/confined/decoder_pool.h"
 #include "app/formats/confined/confined_import.h"
 #include "app/formats/content_types.h"
+#include "app/formats/datasets/dataset_formats.h"
 #include "app/script/process/program_child.h"
 #include "app/script/process/program_process.h"
 #include "app/script/script_runner.h"
@@ -154,6 +155,7 @@ int run_command(const CommandRow& command, CommandOptions& options) {
   if (const auto* loading = dynamic_cast<const LoadingOptions*>(&options); loading && !loading->confine.empty()) {
     set_decoder_program({});  // this process is confined itself, and can start no other
     script::set_program_of_scripts({});
+    for (const std::string& file : options.files) prepare_datasets(file);
     if (const auto problem = confine({loading->confine, folder_of(output_of(command, options))})) return fail(*problem);
   }
   return command.calls.run(options);

@@ -1,5 +1,8 @@
 #include "app/formats/datasets/dataset_formats.h"
 
+#include "app/formats/datasets/arrays/dataset_module.h"
+#include "net/files/file.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -84,6 +87,17 @@ Asset read_dataset_mesh(const ImportSource& source) {
     builder.cut_short();
   }
   return builder.take();
+}
+
+void prepare_datasets(const std::string& path) {
+  const auto opened = net::open_file(path);
+  const auto* const file = std::get_if<net::RandomAccessFile>(&opened);
+  if (!file) return;
+  constexpr std::size_t kHead = 33'000;  // with the user block that may precede HDF5
+  std::vector<std::byte> head(kHead);
+  head.resize(file->read(0, head));
+  const auto format = dataset_format_of(path, head);
+  if (format == DatasetFormat::hdf5 || format == DatasetFormat::xdmf) (void)dataset_module();
 }
 
 std::variant<std::vector<DatasetEntry>, std::string> list_datasets(const ImportSource& source) {
