@@ -10,6 +10,7 @@
 #include "app/confined/decoder_pool.h"
 #include "app/formats/confined/confined_import.h"
 #include "app/formats/content_types.h"
+#include "app/formats/volume/confined/confined_volume.h"
 #include "app/script/process/program_child.h"
 #include "app/script/process/program_process.h"
 #include "app/script/script_runner.h"
@@ -267,7 +268,8 @@ int run_man(const CommandOptions&) {
 }
 
 int run_command_line(int count, char** arguments) {
-  if (count == 3 && arguments[1] == kDecoderArgument) run_decoder_child(arguments[2], import_in_child);
+  if (count == 4 && arguments[1] == kDecoderArgument)
+    run_decoder_child(arguments[2], arguments[3], {import_in_child, volume_of_child});
   if (count == 3 && arguments[1] == script::kProgramsArgument) script::run_program_child(arguments[2]);
   set_decoder_program("/proc/self/exe");
   script::set_program_of_scripts("/proc/self/exe");
