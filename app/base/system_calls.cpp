@@ -170,6 +170,7 @@ constexpr long kDecoding[] = {
     SYS_close,
     SYS_lseek,
     SYS_fstat,
+    SYS_recvmsg,  // descriptors that the parent sends
     // Memory
     SYS_mmap,
     SYS_munmap,

@@ -25,7 +25,9 @@ enum class DecodeOperation : std::uint32_t {
   read_sound,   // reads up to `count` pairs of samples into the memory for results
   seek_sound,   // seeks to `seconds`
   import_file,  // imports a file; the first `count` bytes are the request
-  give_file,    // answers kAsksForFile: `bytes` bytes of results are the file, or its error if `count` is 0
+  give_file,    // answers kAsksForFile: `count` tells what is given; `bytes` bytes of it are in the results
+  open_data,    // opens the file in the input memory; the first `count` bytes of results are the request
+  read_slices,  // reads `count` slices of `source` from `first` on, of `bytes` bytes each, to `offset` in the results
 };
 
 /// Most pairs of samples that one request reads.
@@ -33,12 +35,14 @@ inline constexpr std::uint64_t kMostPairs = 1 << 16;
 
 /// Request of the parent. The bytes to decode lie at the start of the input memory.
 struct DecodeRequest {
+  static constexpr std::uint64_t kGivenError = 0, kGivenBytes = 1, kGivenDescriptor = 2;  // values of `count`
   DecodeOperation operation = DecodeOperation::picture;
   std::uint64_t bytes = 0;
   std::uint64_t file_pixels = 0, kept_pixels = 0, working_bytes = 0;  // render::ImageLimits
   double seconds = 0;
   double known = -1;  // of movie_at: time of the picture that the parent has, which is not sent again
   std::uint64_t count = 0;
+  std::uint64_t source = 0, first = 0, offset = 0;  // of read_slices
 };
 
 /// First answer of the child. If there is an image, the parent makes room for its pixels in the memory for results and
@@ -51,7 +55,7 @@ struct DecodeAnswer {
   std::uint32_t good = 0;                 // 1 if the operation succeeded
   std::uint32_t pictures = 0, sound = 0;  // of examine
   double seconds = 0;                     // duration of examine; time of a picture; rate of a sound in Hz
-  std::uint64_t count = 0;                // channels of open_sound; pairs of read_sound
+  std::uint64_t count = 0;                // channels of open_sound; pairs of read_sound; slices of read_slices
   char text[kTextBytes] = {};             // the error, ended by a 0
 };
 
@@ -59,6 +63,11 @@ struct DecodeAnswer {
 [[nodiscard]] bool write_bytes(int file, std::span<const std::byte> bytes);
 /// Reads exactly these bytes from a descriptor. Returns false if it ends.
 [[nodiscard]] bool read_bytes(int file, std::span<std::byte> bytes);
+
+/// Sends an open descriptor to the other end of a socket, with one byte. Returns false if that is closed.
+[[nodiscard]] bool send_descriptor(int socket, int descriptor);
+/// Receives what send_descriptor() sends; nothing if there is no descriptor.
+[[nodiscard]] net::Descriptor receive_descriptor(int socket);
 
 /// Memory that two processes map, in a file without a name. It grows and never shrinks.
 class SharedMemory {

@@ -2,17 +2,21 @@
 
 #include "app/base/confinement.h"
 #include "app/base/exit_status.h"
-#include "app/confined/decoder_channel.h"
+#include "app/confined/child_channel.h"
 #include "render/media/libav.h"
 #include "render/media/movie.h"
 #include "render/media/sample_reader.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <csignal>
+#include <cstdint>
 #include <cstring>
 #include <memory>
 #include <new>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -25,31 +29,22 @@ namespace gs::app {
 namespace {
 
 // Limits of a child that the limits of requests do not imply.
-constexpr rlim_t kMostMemory = rlim_t{3} << 30, kMostSeconds = 600;
+constexpr rlim_t kMostSeconds = 600, kMostDataSeconds = 100'000;  // data may stay open for long
 
-bool limit_resources() {
+bool limit_resources(rlim_t memory, rlim_t seconds) {
   const auto set = [](__rlimit_resource which, rlim_t most) {
     const rlimit both{most, most};
     return ::setrlimit(which, &both) == 0;
   };
   // No write may make a file longer, also the shared memory. Sockets have no length.
-  bool good = set(RLIMIT_FSIZE, 0) && set(RLIMIT_CORE, 0) && set(RLIMIT_CPU, kMostSeconds);
+  bool good = set(RLIMIT_FSIZE, 0) && set(RLIMIT_CORE, 0) && set(RLIMIT_CPU, seconds);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // sanitizers need terabytes of address space
-  good = good && set(RLIMIT_DATA, kMostMemory);
+  good = good && set(RLIMIT_DATA, memory);
 #endif
   return good;
 }
 
-template <class Message>
-bool send(const Message& message) {
-  return write_bytes(kDecoderSocket, std::as_bytes(std::span(&message, 1)));
-}
-
 using Decoded = std::variant<render::Image, render::ImageError>;
-
-void set_error(DecodeAnswer& answer, const std::string& message) {
-  message.copy(answer.text, DecodeAnswer::kTextBytes - 1);
-}
 
 /// Decoders of a child, with the movie or the sound that is open. One thread.
 class DecoderServer {
@@ -66,10 +61,6 @@ class DecoderServer {
   void open_sound(std::span<const std::byte> bytes, double rate, DecodeAnswer& answer);
   void read_sound(std::uint64_t pairs, DecodeAnswer& answer);
   void import(const DecodeRequest& request, std::span<const std::byte> bytes, DecodeAnswer& answer);
-  /// Asks the parent for a file to which the imported one refers.
-  [[nodiscard]] std::optional<std::vector<std::byte>> ask_for_file(const std::string& reference, std::string& error);
-  /// Waits until the parent has made room for results, copies them there and says so. Returns false if it ended.
-  bool send_results(std::span<const std::byte> bytes);
   [[nodiscard]] Decoded movie_at(const DecodeRequest& request, DecodeAnswer& answer);
 
   SharedMemory input_{net::Descriptor(kDecoderInput), false}, result_{net::Descriptor(kDecoderResult), true};
@@ -129,42 +120,13 @@ void DecoderServer::read_sound(std::uint64_t pairs, DecodeAnswer& answer) {
   answer.good = 1;
 }
 
-std::optional<std::vector<std::byte>> DecoderServer::ask_for_file(const std::string& reference, std::string& error) {
-  DecodeAnswer answer;
-  answer.good = DecodeAnswer::kAsksForFile;
-  if (reference.size() >= DecodeAnswer::kTextBytes) {
-    error = "its name is too long";
-    return std::nullopt;
-  }
-  set_error(answer, reference);
-  DecodeRequest reply;
-  if (!send(answer) || !read_bytes(kDecoderSocket, std::as_writable_bytes(std::span(&reply, 1)))) ::_exit(kFailed);
-  const auto found = reply.bytes > 0 ? result_.map(static_cast<std::size_t>(reply.bytes)) : std::span<std::byte>();
-  if (reply.operation != DecodeOperation::give_file || found.size() != reply.bytes) ::_exit(kFailed);
-  if (reply.count != 0) return std::vector<std::byte>(found.begin(), found.end());
-  error.assign(reinterpret_cast<const char*>(found.data()), found.size());
-  return std::nullopt;
-}
-
 void DecoderServer::import(const DecodeRequest& request, std::span<const std::byte> bytes, DecodeAnswer& answer) {
   if (!import_file_ || request.count > bytes.size()) return set_error(answer, "it cannot be imported");
   const auto head = static_cast<std::size_t>(request.count);
-  imported_ =
-      import_file_(bytes.first(head), bytes.subspan(head),
-                   [this](const std::string& reference, std::string& error) { return ask_for_file(reference, error); });
+  imported_ = import_file_(bytes.first(head), bytes.subspan(head),
+                           [this](const std::string& reference) { return ask_parent_for_file(result_, reference); });
   answer.good = 1;
   answer.count = imported_.size();
-}
-
-bool DecoderServer::send_results(std::span<const std::byte> bytes) {
-  std::byte sign{};
-  if (!read_bytes(kDecoderSocket, {&sign, 1})) return false;
-  if (!bytes.empty()) {
-    const std::span<std::byte> to = result_.map(bytes.size());
-    if (to.size() != bytes.size()) return false;
-    std::memcpy(to.data(), bytes.data(), bytes.size());
-  }
-  return send(sign);
 }
 
 void DecoderServer::carry_out(const DecodeRequest& request, std::span<const std::byte> bytes, DecodeAnswer& answer,
@@ -196,13 +158,15 @@ void DecoderServer::carry_out(const DecodeRequest& request, std::span<const std:
     case DecodeOperation::import_file:
       return import(request, bytes, answer);
     case DecodeOperation::give_file:
-      return set_error(answer, "no file was requested");
+    case DecodeOperation::open_data:
+    case DecodeOperation::read_slices:
+      return set_error(answer, "this child does other work");
   }
 }
 
 bool DecoderServer::answer_request() {
   DecodeRequest request;
-  if (!read_bytes(kDecoderSocket, std::as_writable_bytes(std::span(&request, 1)))) return false;
+  if (!receive_request(request)) return false;
   const bool continues = request.operation == DecodeOperation::movie_at ||
                          request.operation == DecodeOperation::read_sound ||
                          request.operation == DecodeOperation::seek_sound;
@@ -231,24 +195,39 @@ bool DecoderServer::answer_request() {
   } else if (const std::string& message = std::get<render::ImageError>(image).message; !message.empty()) {
     set_error(answer, message);
   }
-  if (!send(answer)) return false;
+  if (!send_answer(answer)) return false;
   if (const auto* const decoded = std::get_if<render::Image>(&image))
-    return send_results(std::as_bytes(std::span(decoded->pixels)));
-  return request.operation != DecodeOperation::import_file || answer.good != 1 || send_results(imported_);
+    return send_results(result_, std::as_bytes(std::span(decoded->pixels)));
+  return request.operation != DecodeOperation::import_file || answer.good != 1 || send_results(result_, imported_);
 }
 
 }  // namespace
 
-std::string_view name_of(DecoderKind kind) { return kind == DecoderKind::movies ? "movies" : "pictures"; }
+std::string_view name_of(DecoderKind kind) {
+  static constexpr std::array<std::string_view, kDecoderKinds> kNames = {"pictures", "movies", "volumes", "datasets",
+                                                                        "dataset_meshes"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
 
-void run_decoder_child(std::string_view kind, ImportFile import_file) {
+void run_decoder_child(std::string_view kind, std::string_view mebibytes, const DecoderWork& work) {
   (void)std::signal(SIGPIPE, SIG_IGN);
   (void)std::signal(SIGINT, SIG_IGN);  // Ctrl-C on the terminal is for the parent
   (void)::prctl(PR_SET_DUMPABLE, 0);
   if (kind == name_of(DecoderKind::movies)) (void)render::libav();
-  if (!limit_resources() || confine_decoder()) ::_exit(kFailed);
-  DecoderServer server(import_file);
-  while (server.answer_request()) {
+  const bool has_datasets = kind == name_of(DecoderKind::datasets);
+  if ((has_datasets || kind == name_of(DecoderKind::dataset_meshes)) && work.load_datasets) work.load_datasets();
+  const bool serves_data = has_datasets || kind == name_of(DecoderKind::volumes);
+  std::uint64_t memory = 0;
+  const auto [end, error] = std::from_chars(mebibytes.data(), mebibytes.data() + mebibytes.size(), memory);
+  constexpr std::uint64_t kMost = std::uint64_t{1} << 40;  // 2^60 bytes
+  if (error != std::errc() || end != mebibytes.data() + mebibytes.size() || memory > kMost) ::_exit(kFailed);
+  if (!limit_resources(memory << 20, serves_data ? kMostDataSeconds : kMostSeconds) || confine_decoder())
+    ::_exit(kFailed);
+  if (serves_data && work.open_volume) serve_data(*work.open_volume());
+  if (!serves_data) {
+    DecoderServer server(work.import_file);
+    while (server.answer_request()) {
+    }
   }
   ::_exit(kDone);  // destructors and leak checks need calls that are refused now
 }

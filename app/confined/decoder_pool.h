@@ -31,7 +31,7 @@ class DecoderPool {
 
   std::mutex mutex_;
   std::string program_;
-  std::array<std::vector<std::unique_ptr<DecoderProcess>>, 2> idle_;  // guarded by mutex_
+  std::array<std::vector<std::unique_ptr<DecoderProcess>>, kDecoderKinds> idle_;  // guarded by mutex_
 };
 
 /// Makes the pool of the program use this program for its children. Call it at the start of main(). Without it, or with

@@ -1,12 +1,14 @@
 #include "app/confined/decoder_process.h"
 
 #include "app/base/child_process.h"
+#include "net/files/file.h"
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <string>
 #include <utility>
 
 #include <fcntl.h>
@@ -16,18 +18,22 @@
 #include <unistd.h>
 
 namespace gs::app {
-DecoderProcess::DecoderProcess(const std::string& program, DecoderKind kind, int file) { start(program, kind, file); }
+
+DecoderProcess::DecoderProcess(const std::string& program, DecoderKind kind, int file, std::uint64_t memory) {
+  start(program, kind, file, memory);
+}
 
 DecoderProcess::~DecoderProcess() { (void)end(); }
 
-void DecoderProcess::start(const std::string& program, DecoderKind kind, int file) {
+void DecoderProcess::start(const std::string& program, DecoderKind kind, int file, std::uint64_t memory) {
   auto input = SharedMemory::create(), result = SharedMemory::create();
   int ends[2] = {-1, -1};
   if (!input || !result || ::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) return;
   net::Descriptor own(ends[0]);
   const net::Descriptor others(ends[1]);
   const std::array<int, 3> given = {others.get(), file >= 0 ? file : input->file(), result->file()};
-  child_ = start_child(program, {std::string(kDecoderArgument), std::string(name_of(kind))}, given);
+  const std::string mebibytes = std::to_string(memory >> 20);
+  child_ = start_child(program, {std::string(kDecoderArgument), std::string(name_of(kind)), mebibytes}, given);
   socket_ = std::move(own);
   input_ = std::move(*input);
   result_ = std::move(*result);
@@ -86,6 +92,41 @@ std::variant<DecodeAnswer, render::ImageError> DecoderProcess::ask(const DecodeR
   if (!good()) return render::ImageError{"the process for decoding cannot be started"};
   if (!result_.grow(result_bytes)) return render::ImageError{"no memory for the result"};
   if (!send(std::as_bytes(std::span(&request, 1)))) return failure(Wait::ended);
+  return await_answer(stopped, patience);
+}
+
+bool DecoderProcess::begin(const DecodeRequest& request, std::size_t result_bytes) {
+  return good() && result_.grow(result_bytes) && send(std::as_bytes(std::span(&request, 1)));
+}
+
+bool DecoderProcess::has_answer() const {
+  pollfd ready{socket_.get(), POLLIN, 0};
+  return ::poll(&ready, 1, 0) > 0;
+}
+
+std::variant<DecodeAnswer, render::ImageError> DecoderProcess::give_file(const BytesResult& file,
+                                                                         const Stopped& stopped,
+                                                                         std::chrono::milliseconds patience) {
+  DecodeRequest reply = request_of(DecodeOperation::give_file, 0);
+  const auto* const found = std::get_if<SharedBytes>(&file);
+  const bool whole = found && found->file && found->file->bytes().size() == found->bytes.size();
+  if (const int descriptor = whole ? found->file->descriptor() : -1; descriptor >= 0) {
+    reply.count = DecodeRequest::kGivenDescriptor;
+    if (!send(std::as_bytes(std::span(&reply, 1))) || !send_descriptor(socket_.get(), descriptor))
+      return failure(Wait::ended);
+    return await_answer(stopped, patience);
+  }
+  const std::string* const error = std::get_if<std::string>(&file);
+  const auto bytes = found ? found->bytes : std::as_bytes(std::span(error->data(), error->size()));
+  reply.count = found ? DecodeRequest::kGivenBytes : DecodeRequest::kGivenError;
+  reply.bytes = bytes.size();
+  if (!put_result(bytes)) return render::ImageError{"no memory for a file that it refers to"};
+  return ask(reply, stopped, patience);
+}
+
+std::variant<DecodeAnswer, render::ImageError> DecoderProcess::await_answer(const Stopped& stopped,
+                                                                            std::chrono::milliseconds patience) {
+  if (!good()) return render::ImageError{"the process for decoding cannot be started"};
   DecodeAnswer answer;
   const Wait wait = receive(std::as_writable_bytes(std::span(&answer, 1)), stopped, Clock::now() + patience);
   if (wait != Wait::answered) return failure(wait);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/base/read_file.h"
 #include "app/confined/decoder_channel.h"
 #include "app/confined/decoder_child.h"
 #include "base/noncopyable.h"
@@ -22,9 +23,12 @@ class DecoderProcess : NonCopyable {
  public:
   using Stopped = std::function<bool()>;
 
-  /// Starts `program` as a decoder child. If that fails, requests say so. If `file` is not negative, the child reads
-  /// that open file instead of bytes from load().
-  DecoderProcess(const std::string& program, DecoderKind kind, int file = -1);
+  /// Memory of a child, if the limits of its requests imply less.
+  static constexpr std::uint64_t kMemory = std::uint64_t{3} << 30;
+
+  /// Starts `program` as a decoder child, with `memory` bytes. If that fails, requests say so. If `file` is not
+  /// negative, the child reads that open file instead of bytes from load().
+  DecoderProcess(const std::string& program, DecoderKind kind, int file = -1, std::uint64_t memory = kMemory);
   /// Ends the child.
   ~DecoderProcess();
 
@@ -46,6 +50,17 @@ class DecoderProcess : NonCopyable {
   [[nodiscard]] std::variant<DecodeAnswer, render::ImageError> ask(const DecodeRequest& request, const Stopped& stopped,
                                                                    std::chrono::milliseconds patience,
                                                                    std::size_t result_bytes = 0);
+  /// Sends a request without waiting; await_answer() then waits for its answer. Returns false if the child ended.
+  [[nodiscard]] bool begin(const DecodeRequest& request, std::size_t result_bytes);
+  [[nodiscard]] std::variant<DecodeAnswer, render::ImageError> await_answer(const Stopped& stopped,
+                                                                            std::chrono::milliseconds patience);
+  /// Reports whether an answer, or the end of the child, has arrived.
+  [[nodiscard]] bool has_answer() const;
+  /// Answers a child that asked for a file: gives the file, as a descriptor if it is mapped, or the error. Waits for
+  /// the next answer.
+  [[nodiscard]] std::variant<DecodeAnswer, render::ImageError> give_file(const BytesResult& file,
+                                                                         const Stopped& stopped,
+                                                                         std::chrono::milliseconds patience);
   /// Like ask(), for requests that give an image. `answer` receives the answer.
   [[nodiscard]] std::variant<render::Image, render::ImageError> ask_image(const DecodeRequest& request,
                                                                           const Stopped& stopped,
@@ -62,7 +77,7 @@ class DecoderProcess : NonCopyable {
  private:
   using Clock = std::chrono::steady_clock;
   enum class Wait : unsigned char { answered, ended, stopped, late };
-  void start(const std::string& program, DecoderKind kind, int file);
+  void start(const std::string& program, DecoderKind kind, int file, std::uint64_t memory);
   /// Makes room for results that the child has announced, and waits until it has copied them.
   [[nodiscard]] std::optional<render::ImageError> await_results(std::size_t bytes, const Stopped& stopped,
                                                                 Clock::time_point end);

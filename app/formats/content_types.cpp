@@ -8,7 +8,7 @@
 #include "app/formats/mesh/points.h"
 #include "app/formats/splats/splats.h"
 #include "app/formats/splats/splats_sog.h"
-#include "app/formats/volume/volume.h"
+#include "app/formats/volume/confined/confined_volume.h"
 #include "base/gzip.h"
 #include "base/text.h"
 #include "qnv/codecs/payloads.h"
@@ -100,12 +100,12 @@ void note_dataset(const qnv::VolumeSource& volume, const ImportSource& source) {
 }
 
 Asset read_volume(const ImportSource& source) {
-  auto opened = open_volume(source.path, {}, {source.read_file, source.name, source.component}, source.budget);
+  auto opened = open_volume_confined(source.path, {}, {source.read_file, source.name, source.component}, source.budget);
   if (auto* volume = std::get_if<qnv::VolumeSource>(&opened)) {
     note_dataset(*volume, source);
     return std::move(*volume);
   }
-  // open_volume() puts the file name first. Remove it, because diagnostics have it too.
+  // open_volume_confined() puts the file name first. Remove it, because diagnostics have it too.
   std::string& problem = std::get<std::string>(opened);
   if (problem.starts_with(source.path + ": ")) problem.erase(0, source.path.size() + 2);
   source.diagnostics.add({Severity::error, source.path, {}, std::move(problem)});

@@ -1,5 +1,6 @@
 #include "app/formats/volume_texture.h"
 
+#include "app/formats/volume/confined/confined_volume.h"
 #include "app/formats/volume/volume_common.h"
 #include "qnv/sampling/volume/volume_slices.h"
 
@@ -63,7 +64,7 @@ bool is_volume_texture(std::span<const std::byte> bytes) {
 std::variant<Texture, render::ImageError> read_volume_texture(const std::string& path, const VolumeOrigin& origin,
                                                               const WorldBudget& budget) {
   using render::ImageError;
-  auto opened = open_volume(path, {}, origin, budget);
+  auto opened = open_volume_confined(path, {}, origin, budget);
   if (auto* problem = std::get_if<std::string>(&opened)) return ImageError{std::move(*problem)};
   const qnv::VolumeSource& source = std::get<qnv::VolumeSource>(opened);
   if (const auto error = qnv::check(source.layout)) return ImageError{error->message};

@@ -121,6 +121,18 @@ std::variant<MappedFile, FileError> map_file(const std::string& path, const Chec
   return result;
 }
 
+std::optional<MappedFile> map_descriptor(Descriptor file) {
+  struct stat status {};
+  if (!file || !read_status(file.get(), status) || !S_ISREG(status.st_mode) || status.st_size <= 0) return std::nullopt;
+  auto mapping = GuardedMapping::of(file.get(), static_cast<std::size_t>(status.st_size));
+  if (!mapping) return std::nullopt;
+  MappedFile result;
+  result.stamp_ = stamp_of(file);
+  result.mapping_ = std::move(*mapping);
+  result.file_ = std::move(file);
+  return result;
+}
+
 std::optional<FileError> write_file_atomically(const std::string& path, std::span<const std::byte> bytes) {
   auto begun = AtomicFile::begin(path);
   if (auto* problem = std::get_if<FileError>(&begun)) return std::move(*problem);

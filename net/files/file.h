@@ -51,6 +51,7 @@ class MappedFile {
 
  private:
   friend std::variant<MappedFile, FileError> map_file(const std::string& path, const CheckFirstBytes& check);
+  friend std::optional<MappedFile> map_descriptor(Descriptor file);
 
   std::vector<std::byte> copy_;
   GuardedMapping mapping_;
@@ -62,6 +63,10 @@ class MappedFile {
 /// Opens a regular file, or a link to a regular file, for reading. Refuses folders, pipes, sockets and devices without
 /// waiting. Calls `check` before it maps a file. Blocks while the disk is read. Any thread.
 [[nodiscard]] std::variant<MappedFile, FileError> map_file(const std::string& path, const CheckFirstBytes& check = {});
+
+/// Maps an open regular file that is not empty, of any size. Takes over its descriptor. Returns nullopt if the system
+/// cannot map it.
+[[nodiscard]] std::optional<MappedFile> map_descriptor(Descriptor file);
 
 /// Regular file that is open for reading at any offset. Movable. One owner. Several threads may read at the same time.
 /// If another program truncates the file, reads return fewer bytes.

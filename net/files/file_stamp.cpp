@@ -7,6 +7,8 @@
 #include <span>
 
 #include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 namespace gs::net {
 
@@ -19,9 +21,18 @@ std::string FileStamp::etag(std::string_view suffix) const {
   return "\"" + std::string(text) + std::string(suffix) + "\"";
 }
 
+bool read_status(int file, struct stat& status) {
+#if defined(SYS_fstat) && defined(__LP64__)
+  // fstat() of some C libraries uses a call that also accepts paths. Confined processes may not use that.
+  return ::syscall(SYS_fstat, file, &status) == 0;
+#else
+  return ::fstat(file, &status) == 0;
+#endif
+}
+
 FileStamp stamp_of(const Descriptor& descriptor) {
   struct stat status {};
-  if (fstat(descriptor.get(), &status) != 0) return {};
+  if (!read_status(descriptor.get(), status)) return {};
   return {static_cast<std::uint64_t>(status.st_size), status.st_ino, status.st_mtim.tv_sec, status.st_mtim.tv_nsec};
 }
 

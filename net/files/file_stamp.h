@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include <sys/stat.h>
+
 namespace gs::net {
 
 /// Stamp of a file version: size, inode and time of modification.
@@ -18,6 +20,9 @@ struct FileStamp {
   /// Two versions get equal tags if they have one length and one tick of the file system's clock.
   [[nodiscard]] std::string etag(std::string_view suffix = {}) const;
 };
+/// Reads the status of an open file with a system call that has no path, also in confined processes. Returns false and
+/// sets errno on failure.
+[[nodiscard]] bool read_status(int file, struct stat& status);
 /// Returns the stamp of an open file. Returns zeros if the system does not report the values.
 [[nodiscard]] FileStamp stamp_of(const Descriptor& descriptor);
 

@@ -257,7 +257,9 @@ std::vector<FuzzTarget> fuzz_targets() {
   std::vector<FuzzTarget> targets = {{"gzip", run_gzip},
                                      {"programs", run_program},
                                      {"control_messages", run_control_messages},
-                                     {"program_messages", run_program_messages}};
+                                     {"program_messages", run_program_messages},
+                                     {"asset_transfer", run_asset_transfer, kMaxBytes},
+                                     {"volume_transfer", run_volume_transfer, kMaxBytes}};
   constexpr std::size_t kMaxWorld = 65536;
   targets.push_back({"script_worlds", run_script_world, kMaxWorld});
   using Bytes = std::span<const std::byte>;

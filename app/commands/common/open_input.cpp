@@ -9,6 +9,7 @@
 #include "app/formats/foreign_types.h"
 #include "app/formats/gltf/gltf_losses.h"
 #include "app/formats/qnv/geometry_reader.h"
+#include "app/formats/volume/confined/confined_volume.h"
 #include "app/loading/updates/limit_report.h"
 #include "app/loading/world_loader.h"
 #include "base/text.h"
@@ -46,9 +47,10 @@ WorldBudget budget_of(const LoadingOptions& options, const LoadLimit& limit) {
 }
 
 std::optional<Opened> open_volume_input(const InputOptions& options, const std::string& path) {
-  auto opened =
-      open_volume(path, options.raw, {reader_beside(path, load_options(options).allowed), {}, options.component},
-                  budget_of(options, LoadLimit(deadline_of(options))));
+  const WorldBudget budget = budget_of(options, LoadLimit(deadline_of(options)));
+  auto opened = open_volume_confined(
+      path, options.raw, {reader_beside(path, load_options(options).allowed), {}, options.component}, budget);
+  budget->stop_when(nullptr);  // the time limit is for opening; slices are read later
   if (const auto* problem = std::get_if<std::string>(&opened)) {
     (void)fail(*problem);
     return std::nullopt;

@@ -11,6 +11,7 @@
 #include "app/formats/confined/confined_import.h"
 #include "app/formats/content_types.h"
 #include "app/formats/datasets/dataset_formats.h"
+#include "app/formats/volume/confined/confined_volume.h"
 #include "app/script/process/program_child.h"
 #include "app/script/process/program_process.h"
 #include "app/script/script_runner.h"
@@ -269,7 +270,8 @@ int run_man(const CommandOptions&) {
 }
 
 int run_command_line(int count, char** arguments) {
-  if (count == 3 && arguments[1] == kDecoderArgument) run_decoder_child(arguments[2], import_in_child);
+  if (count == 4 && arguments[1] == kDecoderArgument)
+    run_decoder_child(arguments[2], arguments[3], {import_in_child, volume_of_child, load_datasets});
   if (count == 3 && arguments[1] == script::kProgramsArgument) script::run_program_child(arguments[2]);
   set_decoder_program("/proc/self/exe");
   script::set_program_of_scripts("/proc/self/exe");

@@ -1,149 +1,19 @@
 #include "app/formats/confined/asset_transfer.h"
 
 #include "app/formats/common/geometry_check.h"
+#include "app/formats/common/import_limits.h"
+#include "app/formats/common/transfer.h"
 
 #include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <type_traits>
 #include <utility>
 
 namespace gs::app {
 namespace {
 
 enum class AssetTag : std::uint8_t { none, mesh, splats, gaussians };
-
-/// Writer of values in the layout of this program.
-class TransferWriter {
- public:
-  template <class T>
-  requires std::is_trivially_copyable_v<T>
-  void value(const T& value) { raw(std::as_bytes(std::span(&value, 1))); }
-  template <class T>
-  requires std::is_trivially_copyable_v<T>
-  void list(std::span<const T> values) {
-    value<std::uint64_t>(values.size());
-    raw(std::as_bytes(values));
-  }
-  template <class T>
-  void list(const std::vector<T>& values) {
-    list(std::span<const T>(values));
-  }
-  template <class T>
-  void list(const Array<T>& values) {
-    list(values.span());
-  }
-  void text(std::string_view text) { list(std::span(text.data(), text.size())); }
-  [[nodiscard]] std::vector<std::byte> take() { return std::move(bytes_); }
-
- private:
-  void raw(std::span<const std::byte> bytes) { bytes_.insert(bytes_.end(), bytes.begin(), bytes.end()); }
-  std::vector<std::byte> bytes_;
-};
-
-/// Exception for bytes that no honest child sends.
-struct Impossible {};
-
-/// Reader of what TransferWriter writes. Throws Impossible at the end of the bytes.
-class TransferReader {
- public:
-  explicit TransferReader(std::span<const std::byte> bytes) : rest_(bytes) {}
-
-  template <class T>
-  requires std::is_trivially_copyable_v<T> T value() {
-    T value;
-    const auto from = take(sizeof(T));
-    std::memcpy(&value, from.data(), sizeof(T));
-    return value;
-  }
-  /// Reads a truth value. A bool with other bits would be undefined behaviour.
-  bool truth() { return value<std::uint8_t>() != 0; }
-  template <class T>
-  std::vector<T> list() {
-    const auto from = take_list(sizeof(T));
-    std::vector<T> values(from.size() / sizeof(T));
-    if (!values.empty()) std::memcpy(values.data(), from.data(), from.size());
-    return values;
-  }
-  template <class T>
-  Array<T> array() {
-    const auto from = take_list(sizeof(T));
-    Array<T> values;
-    if (from.empty()) return values;
-    std::memcpy(static_cast<void*>(values.prepare(from.size() / sizeof(T))), from.data(), from.size());
-    values.commit(from.size() / sizeof(T));
-    return values;
-  }
-  /// Reads a text and replaces its control characters.
-  std::string text() {
-    const auto from = take_list(1);
-    std::string text(reinterpret_cast<const char*>(from.data()), from.size());
-    for (char& c : text)
-      if ((static_cast<unsigned char>(c) < 32 && c != '\n' && c != '\t') || c == 127) c = '?';
-    return text;
-  }
-  /// Reads a number of things of at least `bytes` bytes each.
-  std::size_t count(std::size_t bytes) {
-    const auto count = value<std::uint64_t>();
-    if (count > rest_.size() / bytes) throw Impossible();
-    return static_cast<std::size_t>(count);
-  }
-  [[nodiscard]] bool empty() const { return rest_.empty(); }
-
- private:
-  std::span<const std::byte> take(std::size_t count) {
-    if (count > rest_.size()) throw Impossible();
-    const auto front = rest_.first(count);
-    rest_ = rest_.subspan(count);
-    return front;
-  }
-  std::span<const std::byte> take_list(std::size_t bytes) { return take(count(bytes) * bytes); }
-
-  std::span<const std::byte> rest_;
-};
-
-// ---- Requests
-
-/// Codes of a choice that may be left open: 0, or 1 for no and 2 for yes.
-std::uint8_t truth_code(std::optional<bool> choice) { return !choice ? 0 : *choice ? 2 : 1; }
-std::optional<bool> read_truth_code(TransferReader& from) {
-  const auto code = from.value<std::uint8_t>();
-  return code == 0 ? std::nullopt : std::optional(code == 2);
-}
-
-void write(TransferWriter& to, const VoxelComponent& component) {
-  to.value(component.index);
-  to.value<std::uint8_t>(component.chosen);
-  to.value<std::uint8_t>(component.magnitude);
-  to.value(truth_code(component.labels));
-  to.text(component.dataset);
-  to.value<std::uint8_t>(component.channel.has_value());
-  to.value<std::uint64_t>(component.channel.value_or(0));
-  to.value(truth_code(component.globe));
-  to.value<std::uint8_t>(!component.step ? 0 : component.step->time ? 2 : 1);
-  to.value<std::uint32_t>(component.step ? component.step->number : 0);
-  to.value<double>(component.step ? component.step->time.value_or(0) : 0);
-}
-
-VoxelComponent read_component(TransferReader& from) {
-  VoxelComponent component;
-  component.index = from.value<std::uint32_t>();
-  component.chosen = from.truth();
-  component.magnitude = from.truth();
-  component.labels = read_truth_code(from);
-  component.dataset = from.text();
-  const bool has_channel = from.truth();
-  const auto channel = from.value<std::uint64_t>();
-  if (has_channel) component.channel = channel;
-  component.globe = read_truth_code(from);
-  const auto step = from.value<std::uint8_t>();
-  const auto number = from.value<std::uint32_t>();
-  const auto time = from.value<double>();
-  if (step != 0) component.step = qnv::ShownStep{number, step == 2 ? std::optional(time) : std::nullopt};
-  return component;
-}
 
 // ---- Meshes
 
@@ -309,9 +179,6 @@ void write(TransferWriter& to, const qnv::Gaussians& splats) {
 
 bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 bool is_finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-void require(bool holds) {
-  if (!holds) throw Impossible();
-}
 
 qnv::Description read_description(TransferReader& from) {
   qnv::Description description;
@@ -324,12 +191,13 @@ qnv::Description read_description(TransferReader& from) {
   const auto range = from.value<std::array<float, 2>>();
   description.value_range = {range[0], range[1]};
   description.transfer = from.list<qnv::TransferPoint>();
-  require(is_finite(description.origin) &&
-          (description.box.empty() || (is_finite(description.box.lower) && is_finite(description.box.upper))) &&
-          description.total >= 0 && std::isfinite(description.total) && description.spacing >= 0 &&
-          std::isfinite(description.spacing) && std::isfinite(range[0]) && std::isfinite(range[1]));
+  require_possible(
+      is_finite(description.origin) &&
+      (description.box.empty() || (is_finite(description.box.lower) && is_finite(description.box.upper))) &&
+      description.total >= 0 && std::isfinite(description.total) && description.spacing >= 0 &&
+      std::isfinite(description.spacing) && std::isfinite(range[0]) && std::isfinite(range[1]));
   for (const qnv::TransferPoint& point : description.transfer)
-    require(point.value >= 0 && point.value <= 1 && point.opacity >= 0 && point.opacity <= 1);
+    require_possible(point.value >= 0 && point.value <= 1 && point.opacity >= 0 && point.opacity <= 1);
   constexpr std::size_t kLeastPair = 16;  // bytes
   for (std::size_t left = from.count(kLeastPair); left > 0; --left) {
     std::string key = from.text();
@@ -348,16 +216,16 @@ void read_splats(TransferReader& from, qnv::Splats& splats) {
   splats.cells = from.list<qnv::Cell>();
   const std::size_t count = splats.size();
   const auto fits = [count](std::size_t size) { return size == 0 || size == count; };
-  require(splats.normals.size() == count && splats.weights.size() == count && fits(splats.colors.size()) &&
-          fits(splats.cells.size()));
+  require_possible(splats.normals.size() == count && splats.weights.size() == count && fits(splats.colors.size()) &&
+                   fits(splats.cells.size()));
   const Box& box = splats.description.box;
   for (std::size_t i = 0; i < count; ++i) {
     const glm::vec3 p = splats.positions[i], n = splats.normals[i];
-    require(p.x >= box.lower.x && p.x <= box.upper.x && p.y >= box.lower.y && p.y <= box.upper.y &&
-            p.z >= box.lower.z && p.z <= box.upper.z);
-    require(std::abs(glm::dot(n, n) - 1) < 0.01f && splats.weights[i] > 0 && std::isfinite(splats.weights[i]));
+    require_possible(p.x >= box.lower.x && p.x <= box.upper.x && p.y >= box.lower.y && p.y <= box.upper.y &&
+                     p.z >= box.lower.z && p.z <= box.upper.z);
+    require_possible(std::abs(glm::dot(n, n) - 1) < 0.01f && splats.weights[i] > 0 && std::isfinite(splats.weights[i]));
   }
-  for (const qnv::Cell& cell : splats.cells) require(cell.edge >= 0 && std::isfinite(cell.edge + cell.offset));
+  for (const qnv::Cell& cell : splats.cells) require_possible(cell.edge >= 0 && std::isfinite(cell.edge + cell.offset));
 }
 
 void read_gaussians(TransferReader& from, qnv::Gaussians& splats) {
@@ -367,20 +235,21 @@ void read_gaussians(TransferReader& from, qnv::Gaussians& splats) {
   splats.opacities = from.list<float>();
   splats.bases = from.list<glm::vec3>();
   splats.degree = from.value<std::uint8_t>();
-  require(splats.degree <= qnv::Gaussians::kMaxDegree);
+  require_possible(splats.degree <= qnv::Gaussians::kMaxDegree);
   splats.harmonics = from.list<glm::vec3>();
   splats.antialiased = from.truth();
   const std::size_t count = splats.size();
-  require(splats.scales.size() == count && splats.rotations.size() == count && splats.opacities.size() == count &&
-          splats.bases.size() == count && splats.harmonics.size() == count * qnv::harmonic_count(splats.degree));
+  require_possible(splats.scales.size() == count && splats.rotations.size() == count &&
+                   splats.opacities.size() == count && splats.bases.size() == count &&
+                   splats.harmonics.size() == count * qnv::harmonic_count(splats.degree));
   for (std::size_t i = 0; i < count; ++i) {
     const glm::vec3 scale = splats.scales[i];
     const glm::vec4 rotation = splats.rotations[i];
-    require(scale.x >= 0 && scale.y >= 0 && scale.z >= 0 && is_finite(scale));
-    require(std::abs(glm::dot(rotation, rotation) - 1) < 0.01f);
-    require(splats.opacities[i] >= 0 && splats.opacities[i] <= 1 && is_finite(splats.bases[i]));
+    require_possible(scale.x >= 0 && scale.y >= 0 && scale.z >= 0 && is_finite(scale));
+    require_possible(std::abs(glm::dot(rotation, rotation) - 1) < 0.01f);
+    require_possible(splats.opacities[i] >= 0 && splats.opacities[i] <= 1 && is_finite(splats.bases[i]));
   }
-  require(std::ranges::all_of(splats.harmonics, [](const glm::vec3& one) { return is_finite(one); }));
+  require_possible(std::ranges::all_of(splats.harmonics, [](const glm::vec3& one) { return is_finite(one); }));
 }
 
 // ---- Assets
@@ -390,7 +259,7 @@ void read_diagnostics(TransferReader& from, const ImportSource& source) {
   for (std::size_t left = from.count(kLeastDiagnostic); left > 0; --left) {
     Diagnostic one;
     const auto severity = from.value<std::uint8_t>();
-    require(severity <= static_cast<std::uint8_t>(Severity::error));
+    require_possible(severity <= static_cast<std::uint8_t>(Severity::error));
     one.severity = static_cast<Severity>(severity);
     one.location.line = from.value<std::uint32_t>();
     one.location.column = from.value<std::uint32_t>();
@@ -402,7 +271,7 @@ void read_diagnostics(TransferReader& from, const ImportSource& source) {
 
 Asset read_content(TransferReader& from, const ImportSource& source) {
   const auto tag = from.value<std::uint8_t>();
-  require(tag <= static_cast<std::uint8_t>(AssetTag::gaussians));
+  require_possible(tag <= static_cast<std::uint8_t>(AssetTag::gaussians));
   switch (static_cast<AssetTag>(tag)) {
     case AssetTag::none:
       return {};
@@ -431,7 +300,7 @@ std::vector<std::byte> transfer_bytes(const ImportRequest& request) {
   to.text(request.name);
   to.value<std::uint8_t>(request.reads_files);
   to.value<std::uint8_t>(request.for_x3d);
-  write(to, request.component);
+  write_component(to, request.component);
   to.value(request.left);
   return to.take();
 }
@@ -445,7 +314,7 @@ std::optional<ImportRequest> import_request_of(std::span<const std::byte> bytes)
   request.reads_files = from.truth();
   request.for_x3d = from.truth();
   request.component = read_component(from);
-  request.left = from.value<std::array<std::uint64_t, kResources.size()>>();
+  request.left = from.value<BudgetLeft>();
   return request;
 } catch (const Impossible&) {
   return std::nullopt;
@@ -484,7 +353,7 @@ Asset asset_of(std::span<const std::byte> bytes, const ImportSource& source) try
   TransferReader from(bytes);
   read_diagnostics(from, source);
   Asset asset = read_content(from, source);
-  require(from.empty());
+  require_possible(from.empty());
   return asset;
 } catch (const Impossible&) {
   source.diagnostics.add({Severity::error, source.path, {}, "the process that read it gave an impossible result"});

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "app/formats/common/asset.h"
+#include "app/formats/common/import_limits.h"
 #include "base/diagnostic.h"
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -22,7 +22,7 @@ struct ImportRequest {
   bool reads_files = false;  // files to which the file refers can be read
   bool for_x3d = false;
   VoxelComponent component{};
-  std::array<std::uint64_t, kResources.size()> left{};  // rest of the budget, by resource
+  BudgetLeft left{};  // rest of the budget, by resource
 };
 [[nodiscard]] std::vector<std::byte> transfer_bytes(const ImportRequest& request);
 [[nodiscard]] std::optional<ImportRequest> import_request_of(std::span<const std::byte> bytes);

@@ -1,6 +1,7 @@
 #include "app/formats/datasets/dataset_formats.h"
 
 #include "app/formats/datasets/arrays/dataset_module.h"
+#include "base/gzip.h"
 #include "net/files/file.h"
 
 #include <algorithm>
@@ -89,6 +90,19 @@ Asset read_dataset_mesh(const ImportSource& source) {
   return builder.take();
 }
 
+void load_datasets() { (void)dataset_module(); }
+
+bool needs_dataset_module(std::string_view path, std::span<const std::byte> bytes) {
+  if (is_gzip(bytes)) {
+    const std::string name = lower_case(path);
+    return std::ranges::any_of(
+        std::initializer_list<std::string_view>{".h5.gz", ".hdf5.gz", ".hdf.gz", ".nc.gz", ".xdmf.gz"},
+        [&](std::string_view end) { return name.ends_with(end); });
+  }
+  const auto format = dataset_format_of(path, bytes);
+  return format == DatasetFormat::hdf5 || format == DatasetFormat::xdmf;
+}
+
 void prepare_datasets(const std::string& path) {
   const auto opened = net::open_file(path);
   const auto* const file = std::get_if<net::RandomAccessFile>(&opened);
@@ -96,8 +110,7 @@ void prepare_datasets(const std::string& path) {
   constexpr std::size_t kHead = 33'000;  // with the user block that may precede HDF5
   std::vector<std::byte> head(kHead);
   head.resize(file->read(0, head));
-  const auto format = dataset_format_of(path, head);
-  if (format == DatasetFormat::hdf5 || format == DatasetFormat::xdmf) (void)dataset_module();
+  if (needs_dataset_module(path, head)) load_datasets();
 }
 
 std::variant<std::vector<DatasetEntry>, std::string> list_datasets(const ImportSource& source) {

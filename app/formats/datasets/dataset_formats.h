@@ -17,6 +17,8 @@ namespace gs::app {
 /// Lists the datasets of a file that open_dataset_file() opens. Returns a message on failure.
 [[nodiscard]] std::variant<std::vector<DatasetEntry>, std::string> list_datasets(const ImportSource& source);
 
+/// Loads the module for scientific formats. Files that need it report problems.
+void load_datasets();
 /// Loads the module for scientific formats if a local file needs it, for processes that confine themselves afterwards.
 void prepare_datasets(const std::string& path);
 

@@ -133,13 +133,29 @@ VolumeResult open_raw(const VolumeFile& file, const RawVolume& raw) {
   return make_source(std::move(layout), std::move(voxels));
 }
 
+std::variant<SharedBytes, std::string> map_volume(const std::string& path) {
+  auto opened = net::map_file(path);
+  if (const auto* error = std::get_if<net::FileError>(&opened)) return error->message;
+  SharedBytes bytes = shared_bytes(std::move(std::get<net::MappedFile>(opened)));
+  if (bytes.bytes.empty()) return path + ": the file is empty; expected a volume";
+  return bytes;
+}
+
 std::variant<qnv::VolumeSource, std::string> open_volume(const std::string& path, const RawVolume& raw,
                                                          const VolumeOrigin& origin, const WorldBudget& budget) {
-  BytesResult loaded = load_bytes(path, budget);
-  if (auto* problem = std::get_if<std::string>(&loaded)) return std::move(*problem);
+  const auto mapped = map_volume(path);
+  if (const auto* problem = std::get_if<std::string>(&mapped)) return *problem;
+  return open_volume_file(path, std::get<SharedBytes>(mapped), raw, origin, budget);
+}
+
+std::variant<qnv::VolumeSource, std::string> open_volume_file(const std::string& path, const SharedBytes& bytes,
+                                                              const RawVolume& raw, const VolumeOrigin& origin,
+                                                              const WorldBudget& budget) {
+  BytesResult unpacked = unpacked_file(path, bytes, budget);
+  if (auto* problem = std::get_if<std::string>(&unpacked)) return std::move(*problem);
   const VolumeFile file{path,
                         origin.name.empty() ? path.substr(path.rfind('/') + 1) : origin.name,  // all if no '/'
-                        std::get<SharedBytes>(std::move(loaded)),
+                        std::get<SharedBytes>(std::move(unpacked)),
                         origin.read_beside ? origin.read_beside : reader_beside(path, {}),
                         budget,
                         origin.component};
@@ -148,14 +164,17 @@ std::variant<qnv::VolumeSource, std::string> open_volume(const std::string& path
   if (const auto changed = file.content.file ? file.content.file->changed() : std::nullopt)
     return path + ": " + *changed;
   if (const auto* problem = std::get_if<std::string>(&result)) return path + ": " + *problem;
+  if (const auto problem = too_large_slices(std::get<qnv::VolumeSource>(result).layout, *budget))
+    return path + ": " + *problem;
+  return result;
+}
+
+std::optional<std::string> too_large_slices(const qnv::VolumeLayout& layout, const Budget& budget) {
   // Consumers of a volume hold up to kSlices slices as floats in memory.
   constexpr std::uint64_t kSlices = 8;
-  const qnv::VolumeLayout& layout = std::get<qnv::VolumeSource>(result).layout;
-  const std::uint64_t bytes = kSlices * sizeof(float) * qnv::slice_voxels(layout);
-  if (bytes > budget->left(Resource::volumes))
-    return path + ": slices of " + std::to_string(qnv::slice_voxels(layout)) + " voxels take " +
-           budget->refusal(Resource::volumes);
-  return result;
+  const std::uint64_t voxels = qnv::slice_voxels(layout);
+  if (kSlices * sizeof(float) * voxels <= budget.left(Resource::volumes)) return std::nullopt;
+  return "slices of " + std::to_string(voxels) + " voxels take " + budget.refusal(Resource::volumes);
 }
 
 bool is_volume(std::string_view path, std::span<const std::byte> bytes) {

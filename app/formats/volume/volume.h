@@ -10,6 +10,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -32,6 +33,17 @@ struct VolumeOrigin {
                                                                        const RawVolume& raw = {},
                                                                        const VolumeOrigin& origin = {},
                                                                        const WorldBudget& budget = own_budget());
+
+/// Like open_volume(), for the mapped bytes of the file `path`.
+[[nodiscard]] std::variant<qnv::VolumeSource, std::string> open_volume_file(const std::string& path,
+                                                                            const SharedBytes& bytes,
+                                                                            const RawVolume& raw,
+                                                                            const VolumeOrigin& origin,
+                                                                            const WorldBudget& budget);
+/// Maps the file of a volume. Returns a message with the file name if it cannot be read or is empty.
+[[nodiscard]] std::variant<SharedBytes, std::string> map_volume(const std::string& path);
+/// Returns a message if the slices of a layout exceed a budget.
+[[nodiscard]] std::optional<std::string> too_large_slices(const qnv::VolumeLayout& layout, const Budget& budget);
 
 /// Returns true if open_volume accepts a file with these first bytes (about 1024, gzip-compressed or not).
 [[nodiscard]] bool is_volume(std::string_view path, std::span<const std::byte> bytes);

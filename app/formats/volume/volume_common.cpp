@@ -196,13 +196,10 @@ BytesResult unpacked_gzip(std::span<const std::byte> bytes, const WorldBudget& b
   return SharedBytes{unpacked, unpacked->bytes.span()};
 }
 
-BytesResult load_bytes(const std::string& path, const WorldBudget& budget) {
-  auto opened = net::map_file(path);
-  if (const auto* error = std::get_if<net::FileError>(&opened)) return error->message;
-  auto file = std::make_shared<const net::MappedFile>(std::move(std::get<net::MappedFile>(opened)));
-  if (!is_gzip(file->bytes())) return SharedBytes{file, file->bytes(), file.get()};
-  BytesResult unpacked = unpacked_gzip(file->bytes(), budget);
-  if (const auto changed = file->changed()) return path + ": " + *changed;
+BytesResult unpacked_file(const std::string& path, const SharedBytes& file, const WorldBudget& budget) {
+  if (!is_gzip(file.bytes)) return file;
+  BytesResult unpacked = unpacked_gzip(file.bytes, budget);
+  if (const auto changed = file.file ? file.file->changed() : std::nullopt) return path + ": " + *changed;
   if (const auto* problem = std::get_if<std::string>(&unpacked)) return path + ": " + *problem;
   return unpacked;
 }

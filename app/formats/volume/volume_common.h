@@ -33,8 +33,8 @@ struct VoxelMemory {
 [[nodiscard]] std::variant<VoxelMemory, std::string> voxel_memory(std::uint64_t from, std::uint64_t size,
                                                                   const WorldBudget& budget);
 
-/// Maps a file. If it is gzip-compressed, decompresses it into memory.
-[[nodiscard]] BytesResult load_bytes(const std::string& path, const WorldBudget& budget);
+/// Returns the bytes of a file. If they are gzip-compressed, decompresses them into memory.
+[[nodiscard]] BytesResult unpacked_file(const std::string& path, const SharedBytes& file, const WorldBudget& budget);
 /// Decompresses gzip data. There may be several members in sequence.
 [[nodiscard]] BytesResult unpacked_gzip(std::span<const std::byte> bytes, const WorldBudget& budget);
 /// Decompresses zlib or gzip data to exactly `size` bytes. Ignores excess data. Returns a message if the result is
@@ -135,6 +135,8 @@ struct VolumeFormat {
 [[nodiscard]] bool is_classic_netcdf(std::span<const std::byte> bytes);
 [[nodiscard]] bool is_xdmf(std::span<const std::byte> bytes);
 [[nodiscard]] VolumeResult open_datasets(const VolumeFile& file);
+/// Returns true for files that need the module for scientific formats.
+[[nodiscard]] bool needs_dataset_module(std::string_view path, std::span<const std::byte> bytes);
 [[nodiscard]] VolumeResult open_avs_field(const VolumeFile& file);
 [[nodiscard]] VolumeResult open_nrrd(const VolumeFile& file);
 [[nodiscard]] VolumeResult open_meta_image(const VolumeFile& file);

@@ -1,5 +1,6 @@
 #include "app/view/values/volume_grid.h"
 
+#include "app/formats/volume/confined/confined_volume.h"
 #include "qnv/sampling/volume/color_voxels.h"
 #include "qnv/sampling/volume/volume_slices.h"
 
@@ -27,7 +28,7 @@ std::variant<std::shared_ptr<const VolumeGrid>, std::string> VolumeGrid::read(co
                                                                               const WorldBudget& budget,
                                                                               std::uint64_t most_voxels,
                                                                               const VoxelComponent& component) {
-  auto opened = open_volume(path, {}, {nullptr, {}, component}, budget);
+  auto opened = open_volume_confined(path, {}, {nullptr, {}, component}, budget);
   if (auto* problem = std::get_if<std::string>(&opened)) return std::move(*problem);
   auto taken = take(std::get<qnv::VolumeSource>(opened), stop, budget, most_voxels);
   if (auto* problem = std::get_if<std::string>(&taken)) return path + ": " + *problem;

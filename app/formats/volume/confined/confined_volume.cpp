@@ -1,0 +1,29 @@
+#include "app/formats/volume/confined/confined_volume.h"
+
+#include "app/base/local_file.h"
+#include "app/confined/decoder_pool.h"
+#include "app/formats/volume/confined/remote_volume.h"
+
+#include <utility>
+
+namespace gs::app {
+
+std::variant<qnv::VolumeSource, std::string> open_volume_confined(const std::string& path, const RawVolume& raw,
+                                                                  const VolumeOrigin& origin,
+                                                                  const WorldBudget& budget) {
+  const std::string& program = DecoderPool::of_program().program();
+  if (program.empty()) return open_volume(path, raw, origin, budget);
+  auto mapped = map_volume(path);
+  if (auto* const problem = std::get_if<std::string>(&mapped)) return std::move(*problem);
+  const SharedBytes file = std::get<SharedBytes>(std::move(mapped));
+  VolumeRequest request{path, origin.name, raw, origin.component, left_of(*budget)};
+  const auto volume =
+      std::make_shared<RemoteVolume>(program, path, file, std::move(request),
+                                     origin.read_beside ? origin.read_beside : reader_beside(path, {}), budget);
+  auto opened = RemoteVolume::open(volume);
+  if (const auto changed = file.file ? file.file->changed() : std::nullopt) return path + ": " + *changed;
+  if (auto* const problem = std::get_if<std::string>(&opened)) return path + ": " + *problem;
+  return opened;
+}
+
+}  // namespace gs::app

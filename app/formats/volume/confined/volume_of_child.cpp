@@ -1,0 +1,45 @@
+#include "app/formats/volume/confined/confined_volume.h"
+
+#include "app/formats/volume/confined/volume_transfer.h"
+#include "base/budget.h"
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace gs::app {
+namespace {
+
+/// Volume that a child keeps open.
+class VolumeOfChild final : public OpenData {
+ public:
+  std::vector<std::byte> open(std::span<const std::byte> request, SharedBytes file, const ReadFile& ask) override {
+    const auto known = volume_request_of(request);
+    if (!known) return {};
+    const WorldBudget budget = std::make_shared<Budget>(limits_of(known->left));
+    VolumeReply reply;
+    reply.volume = open_volume_file(known->path, file, known->raw, {ask, known->name, known->component}, budget);
+    reply.held = budget->used(Resource::volumes);
+    std::vector<std::byte> bytes = transfer_bytes(reply);
+    if (auto* const volume = std::get_if<qnv::VolumeSource>(&reply.volume)) {
+      volume_ = std::move(*volume);
+      sources_ = numbered_sources(volume_);
+    }
+    return bytes;
+  }
+  bool read_slice(std::uint64_t source, std::uint64_t slice, std::span<std::byte> to) override {
+    if (source >= sources_.size()) return false;
+    const qnv::VolumeSource& one = *sources_[static_cast<std::size_t>(source)];
+    return slice < one.layout.dimensions[2] && one.read(static_cast<std::uint32_t>(slice), to);
+  }
+
+ private:
+  qnv::VolumeSource volume_;
+  std::vector<const qnv::VolumeSource*> sources_;
+};
+
+}  // namespace
+
+std::unique_ptr<OpenData> volume_of_child() { return std::make_unique<VolumeOfChild>(); }
+
+}  // namespace gs::app

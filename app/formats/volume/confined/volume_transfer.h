@@ -1,0 +1,48 @@
+#pragma once
+
+#include "app/formats/common/import_limits.h"
+#include "app/formats/common/voxel_component.h"
+#include "app/formats/volume/raw_volume.h"
+#include "qnv/sampling/volume/volume.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+// Bytes of requests and replies between this process and a child that keeps a volume open.
+namespace gs::app {
+
+/// Request to open a volume, without the bytes of its file.
+struct VolumeRequest {
+  std::string path, name;  // location of the file; its name at the original source
+  RawVolume raw{};
+  VoxelComponent component{};
+  BudgetLeft left{};
+};
+[[nodiscard]] std::vector<std::byte> transfer_bytes(const VolumeRequest& request);
+[[nodiscard]] std::optional<VolumeRequest> volume_request_of(std::span<const std::byte> bytes);
+
+/// Volume in a child, or the error message.
+struct VolumeReply {
+  std::variant<qnv::VolumeSource, std::string> volume;
+  std::uint64_t held = 0;  // bytes of voxels that the child holds in memory
+};
+[[nodiscard]] std::vector<std::byte> transfer_bytes(const VolumeReply& reply);
+
+/// Sources of a volume in the order of their numbers: the source itself, its components, its steps, and the components
+/// of each step behind the step.
+[[nodiscard]] std::vector<const qnv::VolumeSource*> numbered_sources(const qnv::VolumeSource& volume);
+
+/// Makes the function that reads a source of a volume in a child.
+using MakeSliceReader =
+    std::function<decltype(qnv::VolumeSource::read)(std::size_t number, const qnv::VolumeLayout& layout)>;
+/// Reads the reply of a child. Trusts nothing: layouts must pass qnv::check(), all sources have the same dimensions,
+/// times ascend, and colours have three or four components of 8 bits. Otherwise returns nullopt.
+[[nodiscard]] std::optional<VolumeReply> volume_reply_of(std::span<const std::byte> bytes, const MakeSliceReader& make);
+
+}  // namespace gs::app
