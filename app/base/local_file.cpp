@@ -79,6 +79,35 @@ ReadFile reader_beside(const std::string& path, const std::vector<std::string>& 
   };
 }
 
+std::vector<std::string> files_below(const std::string& folder, std::size_t most) {
+  constexpr int kMostDepth = 8;
+  std::vector<std::string> files;
+  std::error_code error;
+  fs::recursive_directory_iterator entry(folder, fs::directory_options::skip_permission_denied, error), end;
+  for (; !error && entry != end && files.size() < most; entry.increment(error)) {
+    const bool hidden = entry->path().filename().string().starts_with('.');
+    std::error_code ignored;
+    if (entry->is_directory(ignored)) {
+      if (hidden || entry.depth() >= kMostDepth) entry.disable_recursion_pending();
+    } else if (!hidden && entry->is_regular_file(ignored)) {
+      files.push_back(entry->path().lexically_relative(folder).generic_string());
+    }
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+ReadFile folder_reader(const std::string& folder) {
+  return [folder, read = reader_beside(folder + "/list", {})](const std::string& reference) -> BytesResult {
+    if (reference != kFolderReference) return read(reference);
+    constexpr std::size_t kMostFiles = 100'000;
+    std::string names;
+    for (const std::string& name : files_below(folder, kMostFiles))
+      if (name.find('\n') == std::string::npos) names += name + '\n';
+    return shared_bytes(copied_bytes(names));
+  };
+}
+
 SharedBytes shared_bytes(net::MappedFile file) {
   auto owner = std::make_shared<const net::MappedFile>(std::move(file));
   return {owner, owner->bytes(), owner.get()};

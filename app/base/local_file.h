@@ -33,6 +33,13 @@ struct LocalFile {
 /// Returns a function that reads files to which the file `path` refers. It applies policy_of_world().
 [[nodiscard]] ReadFile reader_beside(const std::string& path, const std::vector<std::string>& allowed);
 
+/// Returns the paths of the files in a folder and its subfolders, relative to it and in order. Omits names that begin
+/// with a dot, links to folders, deep folders, and files after the first `most`.
+[[nodiscard]] std::vector<std::string> files_below(const std::string& folder, std::size_t most);
+
+/// Returns a function that reads the files in a folder, and answers kFolderReference with their names.
+[[nodiscard]] ReadFile folder_reader(const std::string& folder);
+
 /// Returns the bytes of a mapped file. They own the mapping.
 [[nodiscard]] SharedBytes shared_bytes(net::MappedFile file);
 

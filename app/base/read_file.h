@@ -34,4 +34,8 @@ using BytesResult = std::variant<SharedBytes, std::string>;
 /// (net/base/reference_policy.h).
 using ReadFile = std::function<BytesResult(const std::string& reference)>;
 
+/// Reference that a ReadFile for the files of a folder answers with their names: paths relative to the folder, one a
+/// line.
+inline constexpr const char* kFolderReference = "./";
+
 }  // namespace gs::app

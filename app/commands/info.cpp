@@ -412,7 +412,8 @@ int run_info(const InfoCommand& options) {
   const std::string local = url.scheme == "file" ? net::path_of_url(url) : path;
   const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                            std::chrono::duration<double>(std::min(options.timeout_seconds, 1e6)));
-  auto mapped = net::map_file(local);
+  const std::string entry = entry_of_folder(local);
+  auto mapped = net::map_file(entry.empty() ? local : entry);
   if (const auto* problem = std::get_if<net::FileError>(&mapped)) {
     const auto folder = refusal_of_folder(local);
     return fail(folder ? local + ": " + *folder : problem->message);
@@ -429,11 +430,13 @@ int run_info(const InfoCommand& options) {
   } else {
     // A file of datasets is listed even if none of them can be shown.
     const ContentType& named = content_type_of(local, first_bytes(bytes));
-    if (named.holds_mesh && !bytes.empty() && !is_gzip(bytes)) {
+    if (has_datasets(named) && !bytes.empty() && !is_gzip(bytes)) {
       Diagnostics ignored;
       const ReadFile read_file = reader_beside(local, load_options(options).allowed);
       const auto budget = std::make_shared<Budget>(options.limits);
-      const auto listed = list_datasets({bytes, local, read_file, budget, ignored});
+      ImportSource source{bytes, local, read_file, budget, ignored};
+      if (!entry.empty()) source.component.folder = local;
+      const auto listed = list_datasets(source);
       if (const auto* const problem = std::get_if<std::string>(&listed))
         return fail(local + ": " + std::string(named.name) + ": " + *problem);
       dataset_lines = dataset_tree(std::get<std::vector<DatasetEntry>>(listed));

@@ -149,8 +149,6 @@ constexpr std::string_view kUnpack = "unpack it, then open a file in it";
 // Rows of one kind stay together. The first rows are those that are most likely to become readable.
 constexpr ContentType kForeignTypes[] = {
     foreign("X3D in binary encoding (Fast Infoset)", ".x3db ", has_mark<"\xe0\0\0\x01">, kX3d),
-    foreign("DICOM", ".dcm .dicom .ima ", has_mark<"DICM", 128>,
-            "convert the series to NIfTI with 'dcm2niix -z y FOLDER', then open the .nii.gz file"),
     foreign("CGNS", ".cgns ", has_mark<"@(#)ADF Database", 4>, kParaView),
     foreign("HDF4", "", has_mark<"\x0e\x03\x13\x01">, kArray),
     foreign("IFC", ".ifc ", is_ifc, kFreeCad),
@@ -159,8 +157,6 @@ constexpr ContentType kForeignTypes[] = {
     foreign("USD", ".usd .usda .usdc ", any_of<has_mark<"#usda ">, has_mark<"PXR-USDC">>, kBlender),
     foreign("FBX", ".fbx ", any_of<has_mark<"Kaydara FBX Binary">, has_mark<"; FBX ">>, kBlender),
     foreign("COLLADA", ".dae ", has_root<"COLLADA">, kBlender),
-    foreign("TIFF", ".tif .tiff ", any_of<has_mark<"II*\0">, has_mark<"MM\0*">, has_mark<"II+\0">, has_mark<"MM\0+">>,
-            "save an image stack as NRRD with Fiji (File, Save As, Nrrd)"),
     foreign("PCD", ".pcd ", is_pcd, "convert it to PLY with 'pcl_pcd2ply IN.pcd OUT.ply' or with CloudCompare"),
     foreign("LAS", ".las .laz ", has_mark<"LASF">, kCloudCompare),
     foreign("E57", ".e57 ", has_mark<"ASTM-E57">, kCloudCompare),
@@ -226,13 +222,6 @@ bool is_zarr(const std::filesystem::path& folder) {
   return has_names(folder, {".zarray", ".zgroup", ".zattrs", ".zmetadata", "zarr.json"});
 }
 
-bool is_dicom_file(const std::string& path) {
-  const auto opened = net::open_file(path);
-  const auto* file = std::get_if<net::RandomAccessFile>(&opened);
-  std::array<std::byte, 132> first{};
-  return file && file->read(0, first) == first.size() && has_mark<"DICM", 128>(first);
-}
-
 }  // namespace
 
 std::span<const ContentType> foreign_types() { return kForeignTypes; }
@@ -244,20 +233,12 @@ std::optional<std::string> refusal_of_folder(const std::string& path) {
   if (!std::filesystem::is_directory(path, error)) return std::nullopt;
   if (is_zarr(path)) return "a Zarr folder cannot be read; " + std::string(kArray);
   if (has_names(path, {"attributes.json"})) return "an N5 folder cannot be read; " + std::string(kArray);
-  constexpr int kLookedAt = 64, kOpened = 4;
-  int looked_at = 0, opened = 0;
+  constexpr int kLookedAt = 64;
+  int looked_at = 0;
   for (std::filesystem::directory_iterator entry(path, error), end; !error && entry != end && looked_at < kLookedAt;
-       entry.increment(error), ++looked_at) {
-    const std::string name = lower_case(entry->path().filename().string());
-    if (entry->is_directory(error)) {
-      if (is_zarr(entry->path())) return "a Zarr folder cannot be read; " + std::string(kArray);
-      continue;
-    }
-    if (name == "dicomdir" || name.ends_with(".dcm") || name.ends_with(".ima") ||
-        (opened++ < kOpened && is_dicom_file(entry->path().string())))
-      return "a DICOM folder cannot be read; convert it to NIfTI with 'dcm2niix -z y FOLDER', then open the .nii.gz "
-             "file";
-  }
+       entry.increment(error), ++looked_at)
+    if (entry->is_directory(error) && is_zarr(entry->path()))
+      return "a Zarr folder cannot be read; " + std::string(kArray);
   return "a folder cannot be opened; open one of its files, or list them with 'ghostspace serve FOLDER'";
 }
 

@@ -58,6 +58,7 @@ class ByteSlices {
 }  // namespace
 
 bool is_volume_texture(std::span<const std::byte> bytes) {
+  if (is_tiff(bytes)) return false;  // a picture
   return is_nrrd(bytes) ? is_detached_nrrd(bytes) : is_volume({}, bytes);
 }
 

@@ -1,6 +1,7 @@
 #include "app/loading/world_loading.h"
 
 #include "app/base/local_file.h"
+#include "app/formats/volume/volume.h"
 #include "app/loading/content/outline_handler.h"
 #include "app/loading/content/scene_handler.h"
 #include "app/loading/fetch/importance.h"
@@ -44,7 +45,9 @@ void WorldLoading::State::start() {
   const net::Url asked = net::parse_url(asked_path);
   auto first = std::make_unique<Fetch>();
   if (asked.scheme.empty() || asked.scheme == "file") {
-    const std::string path = asked.scheme.empty() ? asked_path : net::path_of_url(asked);
+    std::string path = asked.scheme.empty() ? asked_path : net::path_of_url(asked);
+    if (std::string entry = entry_of_folder(path); !entry.empty())
+      loading.options.component.folder = std::exchange(path, std::move(entry));
     std::error_code error;
     // A world from standard input resolves references in the working directory.
     const std::string place = path == net::kStandardInputPath ? "stdin" : path;

@@ -100,6 +100,31 @@ inline void check_prefixes_and_flips(const ScratchFolder& folder, const std::str
   }
 }
 
+/// Does the same for formats that are decoded when a slice is read, so that damage may show late.
+inline void check_late_damage(const ScratchFolder& folder, const std::string& name, const Bytes& bytes) {
+  const auto check = [&](std::string_view damaged) {
+    const std::string path = folder.write(name, damaged);
+    const auto result = app::open_volume(path);
+    if (const auto* problem = std::get_if<std::string>(&result)) {
+      REQUIRE(problem->starts_with(path));
+      return;
+    }
+    const auto& source = std::get<qnv::VolumeSource>(result);
+    REQUIRE_FALSE(qnv::check(source.layout));
+    if (qnv::voxel_count(source.layout) > 1u << 20) return;
+    std::vector<std::byte> scratch;
+    std::vector<float> slice(qnv::slice_voxels(source.layout));
+    for (std::uint32_t z = 0; z < source.layout.dimensions[2]; ++z) (void)qnv::read_slice(source, z, scratch, slice);
+  };
+  for (std::size_t n = 0; n < bytes.size(); ++n) check(string_of(bytes).substr(0, n));
+  std::mt19937 random(1);
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    Bytes changed = bytes;
+    changed[i] ^= static_cast<std::byte>(1u << random() % 8);
+    check(string_of(changed));
+  }
+}
+
 template <class T>
 struct TypeNames {
   VoxelType type;

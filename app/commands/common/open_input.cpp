@@ -167,8 +167,10 @@ std::size_t most_encoded_triangles(const Limits& limits) {
 
 std::optional<OpenedInput> open_input(const InputOptions& options, const std::string& path, MeshForm form) {
   const net::Url url = net::parse_url(path);
-  const std::string local = url.scheme == "file" ? net::path_of_url(url) : path;
-  auto mapped = net::map_file(local);
+  std::string local = url.scheme == "file" ? net::path_of_url(url) : path;
+  const std::string entry = entry_of_folder(local);
+  while (!entry.empty() && local.size() > 1 && local.ends_with('/')) local.pop_back();
+  auto mapped = net::map_file(entry.empty() ? local : entry);
   if (const auto* problem = std::get_if<net::FileError>(&mapped)) {
     const auto folder = refusal_of_folder(local);
     (void)fail(folder ? local + ": " + *folder : problem->message);
@@ -176,7 +178,7 @@ std::optional<OpenedInput> open_input(const InputOptions& options, const std::st
   }
   const auto file = std::make_shared<const net::MappedFile>(std::move(std::get<net::MappedFile>(mapped)));
   const auto all = file->bytes();
-  const ContentType& type = type_of_input(options, local, all);
+  const ContentType& type = type_of_input(options, entry.empty() ? local : entry, all);
   std::optional<Opened> opened;
   OpenedInput input{{}, std::string(type.name), file_name(local), all.size(), {}, {}, nullptr};
   if (input.type == "glTF") input.losses = gltf_losses(all);

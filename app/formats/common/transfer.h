@@ -123,6 +123,7 @@ inline void write_component(TransferWriter& to, const VoxelComponent& component)
   to.value<std::uint8_t>(component.chosen);
   to.value<std::uint8_t>(component.magnitude);
   to.value(choice_code(component.labels));
+  to.text(component.folder);
   to.text(component.dataset);
   to.value<std::uint8_t>(component.channel.has_value());
   to.value<std::uint64_t>(component.channel.value_or(0));
@@ -138,6 +139,7 @@ inline VoxelComponent read_component(TransferReader& from) {
   component.chosen = from.truth();
   component.magnitude = from.truth();
   component.labels = read_choice(from);
+  component.folder = from.text();
   component.dataset = from.text();
   const bool has_channel = from.truth();
   const auto channel = from.value<std::uint64_t>();

@@ -1,6 +1,9 @@
 #include "app/formats/datasets/dataset_formats.h"
 
+#include "app/base/local_file.h"
 #include "app/formats/datasets/arrays/dataset_module.h"
+#include "app/formats/dicom/dicom_datasets.h"
+#include "app/formats/tiff/tiff_datasets.h"
 #include "base/gzip.h"
 #include "net/files/file.h"
 
@@ -11,17 +14,21 @@ namespace gs::app {
 namespace {
 
 VolumeFile volume_file(const ImportSource& source) {
-  return {source.path,
-          source.name.empty() ? file_name(source.path) : source.name,
-          SharedBytes{nullptr, source.bytes},
-          source.read_file,
-          source.budget,
-          source.component};
+  VolumeFile file{source.path,
+                  source.name.empty() ? file_name(source.path) : source.name,
+                  SharedBytes{nullptr, source.bytes},
+                  source.read_file,
+                  source.budget,
+                  source.component};
+  if (!file.component.folder.empty()) file.read_beside = folder_reader(file.component.folder);
+  return file;
 }
 
 DatasetFileResult open_any_dataset_file(const VolumeFile& file) {
+  if (is_dicom(file.content.bytes)) return open_dicom_datasets(file);
+  if (is_tiff(file.content.bytes)) return open_tiff_datasets(file);
   const auto format = dataset_format_of(file.name, file.content.bytes);
-  if (!format) return std::string("the first bytes are those of neither HDF5 nor NetCDF; the file may be damaged");
+  if (!format) return std::string("the first bytes are not those of a file of datasets; the file may be damaged");
   return open_dataset_file(*format, file);
 }
 
@@ -63,6 +70,10 @@ VolumeResult open_datasets(const VolumeFile& file) {
   return result;
 }
 
+bool has_datasets(const ContentType& type) {
+  return type.holds_mesh || type.mime == "application/dicom" || type.mime == "image/tiff";
+}
+
 bool holds_dataset_mesh(const ImportSource& source) {
   const auto opened = open_chosen(volume_file(source));
   const auto* const chosen = std::get_if<ChosenDataset>(&opened);
@@ -99,12 +110,14 @@ bool needs_dataset_module(std::string_view path, std::span<const std::byte> byte
         std::initializer_list<std::string_view>{".h5.gz", ".hdf5.gz", ".hdf.gz", ".nc.gz", ".xdmf.gz"},
         [&](std::string_view end) { return name.ends_with(end); });
   }
+  if (is_tiff(bytes) || is_dicom(bytes)) return true;
   const auto format = dataset_format_of(path, bytes);
   return format == DatasetFormat::hdf5 || format == DatasetFormat::xdmf;
 }
 
 void prepare_datasets(const std::string& path) {
-  const auto opened = net::open_file(path);
+  const std::string entry = entry_of_folder(path);
+  const auto opened = net::open_file(entry.empty() ? path : entry);
   const auto* const file = std::get_if<net::RandomAccessFile>(&opened);
   if (!file) return;
   constexpr std::size_t kHead = 33'000;  // with the user block that may precede HDF5

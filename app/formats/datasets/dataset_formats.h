@@ -9,6 +9,8 @@
 
 namespace gs::app {
 
+/// Reports whether files of a type have datasets, which users may list and choose.
+[[nodiscard]] bool has_datasets(const ContentType& type);
 /// Returns true if the chosen dataset of a file is a mesh. A file that cannot be opened has none.
 [[nodiscard]] bool holds_dataset_mesh(const ImportSource& source);
 /// Reads the chosen dataset of a file as a mesh.

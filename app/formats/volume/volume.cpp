@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <iterator>
 #include <optional>
 #include <utility>
@@ -21,6 +22,7 @@ VolumeResult open_without_header(const VolumeFile&) {
 }
 
 constexpr VolumeFormat kVolumeFormats[] = {
+    {{"DICOM", ".dcm .dicom .ima ", nullptr, "application/dicom", UpRule::patient_s}, is_dicom, open_datasets},
     {{"AVS field", ".fld ", nullptr, "application/x-avs-field"}, is_avs_field, open_avs_field},
     {{"NRRD", ".nrrd .nhdr ", nullptr, "application/x-nrrd", UpRule::slices}, is_nrrd, open_nrrd},
     {{"MetaImage", ".mhd .mha ", nullptr, "application/x-metaimage", UpRule::patient_s},
@@ -30,6 +32,7 @@ constexpr VolumeFormat kVolumeFormats[] = {
     {{"FITS", ".fits .fit .fts ", nullptr, "image/fits"}, is_fits, open_fits},
     {{"VTK ImageData", ".vti ", nullptr, "application/x-vtk-image-data"}, is_vti, open_vti},
     {{"SLC", ".slc ", nullptr, "application/x-slc"}, is_slc, open_slc},
+    {{"TIFF", ".tif .tiff .btf ", nullptr, "image/tiff", UpRule::slices}, is_tiff, open_datasets},
     {{"HDF5", ".h5 .hdf5 .hdf .he5 .vtkhdf .nc4 ", nullptr, "application/x-hdf5"}, is_hdf5, open_datasets},
     {{"NetCDF", ".nc .cdf .nc3 ", nullptr, "application/x-netcdf"}, is_classic_netcdf, open_datasets},
     {{"XDMF", ".xdmf .xmf ", nullptr, "model/x-xdmf"}, is_xdmf, open_datasets},
@@ -64,6 +67,25 @@ VolumeResult open_as(const VolumeFormat* format, const VolumeFile& file, const R
 }
 
 }  // namespace
+
+std::string entry_of_folder(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(path, error)) return {};
+  constexpr std::size_t kLookedAt = 2000;
+  for (const std::string& name : files_below(path, kLookedAt)) {
+    std::string file = path + '/' + name;
+    const auto opened = net::open_file(file);
+    const auto* const bytes = std::get_if<net::RandomAccessFile>(&opened);
+    std::array<std::byte, 160> first{};
+    if (bytes && is_dicom(std::span(first).first(bytes->read(0, first)))) return file;
+  }
+  return {};
+}
+
+void use_folder(const std::string& path, VolumeOrigin& origin) {
+  if (!entry_of_folder(path).empty()) origin.component.folder = path;
+  if (!origin.component.folder.empty()) origin.read_beside = folder_reader(origin.component.folder);
+}
 
 bool read_dimensions(std::string_view text, RawVolume& raw) {
   std::array<std::uint32_t, 3> dimensions{};
@@ -134,7 +156,8 @@ VolumeResult open_raw(const VolumeFile& file, const RawVolume& raw) {
 }
 
 std::variant<SharedBytes, std::string> map_volume(const std::string& path) {
-  auto opened = net::map_file(path);
+  const std::string entry = entry_of_folder(path);
+  auto opened = net::map_file(entry.empty() ? path : entry);
   if (const auto* error = std::get_if<net::FileError>(&opened)) return error->message;
   SharedBytes bytes = shared_bytes(std::move(std::get<net::MappedFile>(opened)));
   if (bytes.bytes.empty()) return path + ": the file is empty; expected a volume";
@@ -145,7 +168,9 @@ std::variant<qnv::VolumeSource, std::string> open_volume(const std::string& path
                                                          const VolumeOrigin& origin, const WorldBudget& budget) {
   const auto mapped = map_volume(path);
   if (const auto* problem = std::get_if<std::string>(&mapped)) return *problem;
-  return open_volume_file(path, std::get<SharedBytes>(mapped), raw, origin, budget);
+  VolumeOrigin own = origin;
+  use_folder(path, own);
+  return open_volume_file(path, std::get<SharedBytes>(mapped), raw, own, budget);
 }
 
 std::variant<qnv::VolumeSource, std::string> open_volume_file(const std::string& path, const SharedBytes& bytes,

@@ -25,10 +25,17 @@ struct VolumeOrigin {
   VoxelComponent component{};
 };
 
-/// Opens a volume. Detects the format by the first bytes, else by the name. If `raw` has dimensions, the file has no
-/// header. Decompresses gzip files into memory and maps other files, so that a volume may exceed memory. Decompressed
-/// data and voxels from text are charged to `budget`. `origin` provides files that a header names. The result owns all
-/// that it needs. Returns a message with the file name on failure. Safe for untrusted files. Any thread.
+/// Returns the file that stands for a local folder of a scan (DICOM): the first one that is a volume. Returns an empty
+/// text for other folders and for files.
+[[nodiscard]] std::string entry_of_folder(const std::string& path);
+/// If `path` is such a folder, or VoxelComponent::folder states one, `origin` reads the files of that folder.
+void use_folder(const std::string& path, VolumeOrigin& origin);
+
+/// Opens a volume. `path` may be a folder with an entry (entry_of_folder). Detects the format by the first bytes, else
+/// by the name. If `raw` has dimensions, the file has no header. Decompresses gzip files into memory and maps other
+/// files, so that a volume may exceed memory. Decompressed data and voxels from text are charged to `budget`. `origin`
+/// provides files that a header names. The result owns all that it needs. Returns a message with the file name on
+/// failure. Safe for untrusted files. Any thread.
 [[nodiscard]] std::variant<qnv::VolumeSource, std::string> open_volume(const std::string& path,
                                                                        const RawVolume& raw = {},
                                                                        const VolumeOrigin& origin = {},

@@ -130,6 +130,8 @@ struct VolumeFormat {
 [[nodiscard]] bool is_fits(std::span<const std::byte> bytes);
 [[nodiscard]] bool is_slc(std::span<const std::byte> bytes);
 [[nodiscard]] bool is_vti(std::span<const std::byte> bytes);
+[[nodiscard]] bool is_dicom(std::span<const std::byte> bytes);
+[[nodiscard]] bool is_tiff(std::span<const std::byte> bytes);
 // Files of several datasets are in app/formats/datasets.
 [[nodiscard]] bool is_hdf5(std::span<const std::byte> bytes);
 [[nodiscard]] bool is_classic_netcdf(std::span<const std::byte> bytes);

@@ -68,11 +68,27 @@ struct ArrayReader {
   ArrayFileResult (*open)(ArrayBytes bytes, std::size_t cache_bytes);
 };
 
+/// Form of a compressed picture, as the header of its file states it.
+struct PictureForm {
+  std::uint32_t rows = 0, columns = 0, samples = 1;
+  std::uint32_t bits_allocated = 8, bits_stored = 8;
+  bool is_signed = false;
+  bool lossless = false;
+};
+
+/// Decoder of a kind of compressed pictures.
+struct PictureDecoder {
+  std::string_view name;  // "JPEG 2000"
+  /// Decodes a picture. `to` gets native samples, those of a pixel together. Returns an empty text, or a message.
+  std::string (*decode)(std::span<const std::byte> bytes, const PictureForm& form, std::vector<std::byte>& to);
+};
+
 /// Table of readers that the module exports, under the name kDatasetModuleEntry.
 struct DatasetModule {
   static constexpr std::uint32_t kVersion = 1;  // changes with this header
   std::uint32_t version = kVersion;
   std::span<const ArrayReader> readers;
+  std::span<const PictureDecoder> pictures;
 };
 using DatasetModuleEntry = const DatasetModule* (*)();
 inline constexpr const char* kDatasetModuleEntry = "ghostspace_dataset_module";

@@ -16,10 +16,11 @@ std::variant<qnv::VolumeSource, std::string> open_volume_confined(const std::str
   auto mapped = map_volume(path);
   if (auto* const problem = std::get_if<std::string>(&mapped)) return std::move(*problem);
   const SharedBytes file = std::get<SharedBytes>(std::move(mapped));
-  VolumeRequest request{path, origin.name, raw, origin.component, left_of(*budget)};
-  const auto volume =
-      std::make_shared<RemoteVolume>(program, path, file, std::move(request),
-                                     origin.read_beside ? origin.read_beside : reader_beside(path, {}), budget);
+  VolumeOrigin own = origin;
+  use_folder(path, own);
+  VolumeRequest request{path, own.name, raw, own.component, left_of(*budget)};
+  const auto volume = std::make_shared<RemoteVolume>(
+      program, path, file, std::move(request), own.read_beside ? own.read_beside : reader_beside(path, {}), budget);
   auto opened = RemoteVolume::open(volume);
   if (const auto changed = file.file ? file.file->changed() : std::nullopt) return path + ": " + *changed;
   if (auto* const problem = std::get_if<std::string>(&opened)) return path + ": " + *problem;
