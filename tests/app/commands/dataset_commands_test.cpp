@@ -42,6 +42,13 @@ TEST_CASE("--dataset, --time and --channel choose the values of a file") {
   CHECK(bad.status == 2);
 }
 
+TEST_CASE("a confined process reads datasets") {
+  const std::string folder = kDatasetSeeds + "hdf5";
+  const Run made = run("info --confine " + quoted(folder) + " " + quoted(folder + "/gzip.h5"));
+  CHECK(made.status == 0);
+  CHECK_THAT(made.output, Catch::Contains("values                 0, 16"));
+}
+
 TEST_CASE("encodes and exports a dataset of a file") {
   const ScratchFolder folder;
   const std::string file = quoted(kDatasetSeeds + "hdf5/gzip.h5"), stream = quoted(folder.path("a.qnv"));
