@@ -149,6 +149,7 @@ const ContentType& type_of_input(const InputOptions& options, const std::string&
   const ReadFile read_file = reader_beside(path, load_options(options).allowed);
   ImportSource source{bytes, path, read_file, budget, ignored};
   source.component = options.component;
+  source.local = true;
   return type_of_content(type, source);
 }
 

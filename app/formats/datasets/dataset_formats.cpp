@@ -55,7 +55,7 @@ VolumeResult open_datasets(const VolumeFile& file) {
   if (auto* const problem = std::get_if<std::string>(&opened)) return std::move(*problem);
   auto& chosen = std::get<ChosenDataset>(opened);
   const DatasetEntry& entry = chosen.file->entries()[chosen.entry];
-  if (entry.form_for(file.component) == DatasetForm::mesh) return entry.path + " is a mesh; expected a volume";
+  if (entry.form_for(file.component) == DatasetForm::mesh) return entry.path + std::string(kIsMesh);
   VolumeResult result = chosen.file->volume(chosen.entry, file.component);
   const std::size_t shown = shown_datasets(chosen.file->entries());
   if (auto* const volume = std::get_if<qnv::VolumeSource>(&result); volume && shown > 1)

@@ -45,6 +45,9 @@ struct VolumeOrigin {
 /// Returns a message if the slices of a layout exceed a budget.
 [[nodiscard]] std::optional<std::string> too_large_slices(const qnv::VolumeLayout& layout, const Budget& budget);
 
+/// End of the message for a file that holds a mesh instead of a volume.
+inline constexpr std::string_view kIsMesh = " is a mesh; expected a volume";
+
 /// Returns true if open_volume accepts a file with these first bytes (about 1024, gzip-compressed or not).
 [[nodiscard]] bool is_volume(std::string_view path, std::span<const std::byte> bytes);
 
