@@ -31,7 +31,7 @@ constexpr VolumeFormat kVolumeFormats[] = {
     {{"VTK ImageData", ".vti ", nullptr, "application/x-vtk-image-data"}, is_vti, open_vti},
     {{"SLC", ".slc ", nullptr, "application/x-slc"}, is_slc, open_slc},
     {{"HDF5", ".h5 .hdf5 .hdf .he5 .vtkhdf .nc4 ", nullptr, "application/x-hdf5"}, is_hdf5, open_datasets},
-    {{"NetCDF", ".nc .cdf .nc3 ", nullptr, "application/x-netcdf"}, is_classic_netcdf, open_datasets},
+    {{"NetCDF", ".nc .cdf .nc3 .exo .ex2 .exii .e ", nullptr, "application/x-netcdf"}, is_classic_netcdf, open_datasets},
     {{"XDMF", ".xdmf .xmf ", nullptr, "model/x-xdmf"}, is_xdmf, open_datasets},
     {{"raw voxels", ".raw .vol ", nullptr, "application/x-volume", UpRule::slices}, nullptr, open_without_header},
 };

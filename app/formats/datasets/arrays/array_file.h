@@ -51,7 +51,10 @@ class ArrayFile {
   /// Returns an empty text, or a message.
   [[nodiscard]] virtual std::string read(std::size_t array, std::span<const std::uint64_t> first,
                                          std::span<const std::uint64_t> count, std::span<std::byte> to) = 0;
+  /// Returns the rows of an array of characters as texts; none if it is another array, or long.
+  [[nodiscard]] virtual std::vector<std::string> texts(std::size_t array);
 };
+inline std::vector<std::string> ArrayFile::texts(std::size_t) { return {}; }
 
 /// Bytes of a file, with their owner.
 struct ArrayBytes {

@@ -16,6 +16,7 @@ namespace {
 constexpr Convention kConventions[] = {
     {"VTKHDF", suits_vtkhdf, list_vtkhdf, vtkhdf_volume, vtkhdf_mesh},
     {"openPMD", suits_openpmd, list_openpmd, openpmd_volume, openpmd_mesh},
+    {"Exodus II", suits_exodus, list_exodus, exodus_volume, exodus_mesh},
     {"CF", suits_cf, list_cf, cf_volume, cf_mesh},
     {"plain", suits_any, list_plain, plain_volume, nullptr},
 };
