@@ -101,7 +101,9 @@ void note_dataset(const qnv::VolumeSource& volume, const ImportSource& source) {
 }
 
 Asset read_volume(const ImportSource& source) {
-  auto opened = open_volume_confined(source.path, {}, {source.read_file, source.name, source.component}, source.budget);
+  auto opened = open_volume_confined(
+      source.path, {}, {source.read_file, source.name, source.component, source.read_files, source.list_folder},
+      source.budget);
   if (auto* volume = std::get_if<qnv::VolumeSource>(&opened)) {
     note_dataset(*volume, source);
     return std::move(*volume);

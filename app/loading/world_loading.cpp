@@ -1,5 +1,7 @@
 #include "app/loading/world_loading.h"
 
+#include "app/formats/datasets/zarr/zarr_place.h"
+#include "app/formats/volume/volume_common.h"
 #include "app/base/local_file.h"
 #include "app/loading/content/outline_handler.h"
 #include "app/loading/content/scene_handler.h"
@@ -44,7 +46,8 @@ void WorldLoading::State::start() {
   const net::Url asked = net::parse_url(asked_path);
   auto first = std::make_unique<Fetch>();
   if (asked.scheme.empty() || asked.scheme == "file") {
-    const std::string path = asked.scheme.empty() ? asked_path : net::path_of_url(asked);
+    std::string path = asked.scheme.empty() ? asked_path : net::path_of_url(asked);
+    if (std::string entry = zarr_entry_of_folder(path); !entry.empty()) path = std::move(entry);
     std::error_code error;
     // A world from standard input resolves references in the working directory.
     const std::string place = path == net::kStandardInputPath ? "stdin" : path;
@@ -53,7 +56,8 @@ void WorldLoading::State::start() {
     first->given_path = path;
     loading.fetcher.set_policy(policy_of_world(place, loading.options.allowed));
   } else {
-    first->candidates = {asked};
+    for (const std::string& entry : zarr_entries_of_url(asked_path)) first->candidates.push_back(net::parse_url(entry));
+    if (first->candidates.empty()) first->candidates = {asked};
   }
   first->max_bytes = loading.options.max_bytes;
   first->handler = root;

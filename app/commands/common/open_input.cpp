@@ -6,6 +6,8 @@
 #include "app/encode/surface_triangles.h"
 #include "app/formats/confined/confined_import.h"
 #include "app/formats/content_types.h"
+#include "app/formats/datasets/zarr/zarr_place.h"
+#include "app/formats/volume/volume_common.h"
 #include "app/formats/foreign_types.h"
 #include "app/formats/gltf/gltf_losses.h"
 #include "app/formats/qnv/geometry_reader.h"
@@ -166,9 +168,15 @@ std::size_t most_encoded_triangles(const Limits& limits) {
   return limits.memory / 32 * kHeldShare / qnv::kDisplacedTriangleBytes;
 }
 
-std::optional<OpenedInput> open_input(const InputOptions& options, const std::string& path, MeshForm form) {
+std::string local_input(const std::string& path) {
   const net::Url url = net::parse_url(path);
-  const std::string local = url.scheme == "file" ? net::path_of_url(url) : path;
+  std::string local = url.scheme == "file" ? net::path_of_url(url) : path;
+  std::string entry = zarr_entry_of_folder(local);
+  return entry.empty() ? local : entry;
+}
+
+std::optional<OpenedInput> open_input(const InputOptions& options, const std::string& path, MeshForm form) {
+  const std::string local = local_input(path);
   auto mapped = net::map_file(local);
   if (const auto* problem = std::get_if<net::FileError>(&mapped)) {
     const auto folder = refusal_of_folder(local);
@@ -179,7 +187,7 @@ std::optional<OpenedInput> open_input(const InputOptions& options, const std::st
   const auto all = file->bytes();
   const ContentType& type = type_of_input(options, local, all);
   std::optional<Opened> opened;
-  OpenedInput input{{}, std::string(type.name), file_name(local), all.size(), {}, {}, nullptr};
+  OpenedInput input{{}, std::string(type.name), zarr_title_of(local), all.size(), {}, {}, nullptr};
   if (input.type == "glTF") input.losses = gltf_losses(all);
   if (auto mesh = large_mesh(options, type, file)) {
     opened = std::move(*mesh);
@@ -214,8 +222,7 @@ std::optional<OpenedInput> open_input(const InputOptions& options, const std::st
 }
 
 std::optional<OpenedInput> open_values_stream(const std::string& path) {
-  const net::Url url = net::parse_url(path);
-  const std::string local = url.scheme == "file" ? net::path_of_url(url) : path;
+  const std::string local = local_input(path);
   auto opened = net::open_file(local);
   if (std::holds_alternative<net::FileError>(opened)) return std::nullopt;
   const auto file = std::make_shared<const net::RandomAccessFile>(std::move(std::get<net::RandomAccessFile>(opened)));

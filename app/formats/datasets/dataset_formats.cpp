@@ -1,5 +1,6 @@
 #include "app/formats/datasets/dataset_formats.h"
 
+#include "app/base/local_file.h"
 #include "app/formats/datasets/arrays/dataset_module.h"
 #include "base/gzip.h"
 #include "net/files/file.h"
@@ -16,7 +17,9 @@ VolumeFile volume_file(const ImportSource& source) {
           SharedBytes{nullptr, source.bytes},
           source.read_file,
           source.budget,
-          source.component};
+          source.component,
+          source.read_files ? source.read_files : files_beside(source.path, {}),
+          source.read_files ? source.list_folder : lister_beside(source.path)};
 }
 
 DatasetFileResult open_any_dataset_file(const VolumeFile& file) {
@@ -100,7 +103,7 @@ bool needs_dataset_module(std::string_view path, std::span<const std::byte> byte
         [&](std::string_view end) { return name.ends_with(end); });
   }
   const auto format = dataset_format_of(path, bytes);
-  return format == DatasetFormat::hdf5 || format == DatasetFormat::xdmf;
+  return format == DatasetFormat::hdf5 || format == DatasetFormat::xdmf || format == DatasetFormat::zarr;
 }
 
 void prepare_datasets(const std::string& path) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/base/read_file.h"
+#include "app/base/read_files.h"
 #include "app/formats/common/upright.h"
 #include "app/formats/common/voxel_component.h"
 #include "app/formats/volume/raw_volume.h"
@@ -23,6 +24,8 @@ struct VolumeOrigin {
   ReadFile read_beside;  // reads files that the header names; null reads below the file's folder
   std::string name;      // original file name; empty means the name in the path
   VoxelComponent component{};
+  ReadFiles read_files = {};    // reads files of a container; null reads below the file's folder
+  ListFolder list_folder = {};  // lists folders of a container; null with `read_files` means that none can be listed
 };
 
 /// Opens a volume. Detects the format by the first bytes, else by the name. If `raw` has dimensions, the file has no

@@ -148,6 +148,8 @@ class VectorContent final : public SceneContent {
     if (!node_) target_.refuse();
   }
   void receive_piece(const net::CellEvent& event) override { geometry_->receive_piece(event); }
+  [[nodiscard]] bool has_more() const override { return node_ && geometry_->has_more(); }
+  void read_more() override { geometry_->read_more(); }
   std::shared_ptr<StreamFeed> feed() override { return geometry_->feed(); }
 
  private:

@@ -53,6 +53,8 @@ class ArrayFile {
                                          std::span<const std::uint64_t> count, std::span<std::byte> to) = 0;
   /// Returns the rows of an array of characters as texts; none if it is another array, or long.
   [[nodiscard]] virtual std::vector<std::string> texts(std::size_t array);
+  /// Returns a message about parts that could not be read so far and are shown as missing, or an empty text.
+  [[nodiscard]] virtual std::string trouble() const { return {}; }
 };
 inline std::vector<std::string> ArrayFile::texts(std::size_t) { return {}; }
 
@@ -71,11 +73,16 @@ struct ArrayReader {
   ArrayFileResult (*open)(ArrayBytes bytes, std::size_t cache_bytes);
 };
 
+/// Compression of the chunks of arrays whose files the program reads itself.
+enum class ChunkCodec : std::uint8_t { blosc, lz4, bzip2, xz };
+
 /// Table of readers that the module exports, under the name kDatasetModuleEntry.
 struct DatasetModule {
-  static constexpr std::uint32_t kVersion = 1;  // changes with this header
+  static constexpr std::uint32_t kVersion = 2;  // changes with this header
   std::uint32_t version = kVersion;
   std::span<const ArrayReader> readers;
+  /// Unpacks bytes that become exactly those of `to`. Returns false if they do not.
+  bool (*unpack)(ChunkCodec codec, std::span<const std::byte> from, std::span<std::byte> to) = nullptr;
 };
 using DatasetModuleEntry = const DatasetModule* (*)();
 inline constexpr const char* kDatasetModuleEntry = "ghostspace_dataset_module";

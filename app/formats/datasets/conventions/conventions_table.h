@@ -28,6 +28,10 @@ void exodus_mesh(DatasetTree& tree, const DatasetEntry& entry, const VoxelCompon
 [[nodiscard]] VolumeResult vtkhdf_volume(DatasetTree& tree, const DatasetEntry& entry, const VoxelComponent& choice);
 void vtkhdf_mesh(DatasetTree& tree, const DatasetEntry& entry, const VoxelComponent& choice, MeshBuilder& builder);
 
+[[nodiscard]] bool suits_ome(DatasetTree& tree);
+[[nodiscard]] std::vector<DatasetEntry> list_ome(DatasetTree& tree);
+[[nodiscard]] VolumeResult ome_volume(DatasetTree& tree, const DatasetEntry& entry, const VoxelComponent& choice);
+
 [[nodiscard]] bool suits_openpmd(DatasetTree& tree);
 [[nodiscard]] std::vector<DatasetEntry> list_openpmd(DatasetTree& tree);
 [[nodiscard]] VolumeResult openpmd_volume(DatasetTree& tree, const DatasetEntry& entry, const VoxelComponent& choice);

@@ -1,5 +1,6 @@
 #include "app/formats/datasets/arrays/array_file.h"
 #include "app/formats/datasets/module/hdf5_file.h"
+#include "app/formats/datasets/module/unpack_chunk.h"
 
 namespace gs::app {
 namespace {
@@ -13,6 +14,6 @@ constexpr ArrayReader kModuleReaders[] = {
 }  // namespace gs::app
 
 extern "C" __attribute__((visibility("default"))) const gs::app::DatasetModule* ghostspace_dataset_module() {
-  static const gs::app::DatasetModule module{gs::app::DatasetModule::kVersion, gs::app::kModuleReaders};
+  static const gs::app::DatasetModule module{gs::app::DatasetModule::kVersion, gs::app::kModuleReaders, gs::app::unpack_chunk};
   return &module;
 }
