@@ -94,7 +94,7 @@ class Fetcher {
   CellTransfers cells_;
   std::vector<std::unique_ptr<Fetch>> fetches_;  // incomplete fetches
   std::deque<Fetch*> local_;  // fetches of local files, read here in order
-  std::deque<Fetch*> refining_;  // fetches whose handlers have more to read, in order
+  std::deque<Fetch*> refining_;  // fetches with handlers that have more to read, in order
   std::vector<Fetch*> ended_;
   std::size_t files_ = 0;
   std::uint64_t received_ = 0;

@@ -243,7 +243,7 @@ BytesResult NetworkTransfers::read_now(const net::Url& url, const net::Origin& f
 
 namespace {
 
-/// Request whose bytes are collected.
+/// Request with the bytes that were received.
 struct CollectedRequest {
   net::RequestId id;
   std::vector<std::byte> bytes;

@@ -73,7 +73,7 @@ struct ArrayReader {
   ArrayFileResult (*open)(ArrayBytes bytes, std::size_t cache_bytes);
 };
 
-/// Compression of the chunks of arrays whose files the program reads itself.
+/// Compression of chunks that the program finds in files itself.
 enum class ChunkCodec : std::uint8_t { blosc, lz4, bzip2, xz };
 
 /// Table of readers that the module exports, under the name kDatasetModuleEntry.

@@ -33,7 +33,7 @@ struct ZarrImage {
   std::vector<std::string> channels;  // their labels
 };
 
-/// Returns the images that the attributes of a group describe. Ignores images whose metadata are malformed.
+/// Returns the images that the attributes of a group describe. Ignores images with malformed metadata.
 [[nodiscard]] std::vector<ZarrImage> zarr_images(const nlohmann::json& attributes, const std::string& group);
 
 }  // namespace gs::app

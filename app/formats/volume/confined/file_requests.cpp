@@ -20,23 +20,23 @@ namespace {
 // Texts: "|m|OFFSET|BYTES|REFERENCE" for a file of a batch that goes on, "|e|..." for the last one, with the letter e
 // instead of the offset for the last bytes, and nothing instead of both for a whole file. "|l|REFERENCE" for a folder.
 // No reference begins with '|', because it is percent-encoded in URLs (RFC 3986, 2).
-constexpr char kMark = '|', kMore = 'm', kLast = 'e', kList = 'l';
-constexpr std::string_view kFromEnd = "e";
+constexpr char kRequestMark = '|', kMoreFollow = 'm', kLastOfBatch = 'e', kListFolder = 'l';
+constexpr std::string_view kBytesFromEnd = "e";
 constexpr std::size_t kMostFilesOfBatch = 4096;
 
 enum class AnswerTag : std::uint8_t { bytes, none, problem };
 
 std::string request_text(const FileRequest& request, bool last) {
-  std::string text{kMark, last ? kLast : kMore, kMark};
-  if (request.part) text += request.part->from_end ? std::string(kFromEnd) : std::to_string(request.part->offset);
-  text += kMark;
+  std::string text{kRequestMark, last ? kLastOfBatch : kMoreFollow, kRequestMark};
+  if (request.part) text += request.part->from_end ? std::string(kBytesFromEnd) : std::to_string(request.part->offset);
+  text += kRequestMark;
   if (request.part) text += std::to_string(request.part->bytes);
-  return text + kMark + request.reference;
+  return text + kRequestMark + request.reference;
 }
 
 /// Takes the text before the next mark.
 std::optional<std::string_view> take_field(std::string_view& text) {
-  const std::size_t end = text.find(kMark);
+  const std::size_t end = text.find(kRequestMark);
   if (end == std::string_view::npos) return std::nullopt;
   const std::string_view field = text.substr(0, end);
   text.remove_prefix(end + 1);
@@ -56,7 +56,7 @@ std::optional<FileRequest> file_request_of(std::string_view text) {
   if (!bytes || text.empty()) return std::nullopt;
   FileRequest request{std::string(text)};
   if (offset->empty() && bytes->empty()) return request;
-  const bool from_end = *offset == kFromEnd;
+  const bool from_end = *offset == kBytesFromEnd;
   const auto first = from_end ? std::optional<std::uint64_t>(0) : whole_number(*offset);
   const auto count = whole_number(*bytes);
   if (!first || !count || *first + *count < *first) return std::nullopt;
@@ -78,7 +78,7 @@ BytesResult as_descriptor(std::span<const std::byte> bytes) {
 
 }  // namespace
 
-bool is_file_request(const std::string& text) { return text.starts_with(kMark); }
+bool is_file_request(const std::string& text) { return text.starts_with(kRequestMark); }
 
 ReadFiles files_by_asking(const ReadFile& ask) {
   return [ask](std::span<const FileRequest> requests) {
@@ -107,7 +107,7 @@ ReadFiles files_by_asking(const ReadFile& ask) {
 
 ListFolder folders_by_asking(const ReadFile& ask) {
   return [ask](const std::string& reference) -> std::optional<std::vector<std::string>> {
-    const BytesResult answer = ask(std::string{kMark, kList, kMark} + reference);
+    const BytesResult answer = ask(std::string{kRequestMark, kListFolder, kRequestMark} + reference);
     const auto* const all = std::get_if<SharedBytes>(&answer);
     if (!all) return std::nullopt;
     std::vector<std::string> names;
@@ -123,10 +123,10 @@ ListFolder folders_by_asking(const ReadFile& ask) {
 
 std::optional<BytesResult> FileBatches::answer(const std::string& text) {
   std::string_view rest = text;
-  if (rest.size() < 3 || rest[0] != kMark || rest[2] != kMark) return std::nullopt;
+  if (rest.size() < 3 || rest[0] != kRequestMark || rest[2] != kRequestMark) return std::nullopt;
   const char kind = rest[1];
   rest.remove_prefix(3);
-  if (kind == kList) {
+  if (kind == kListFolder) {
     const auto names = list_ ? list_(std::string(rest)) : std::nullopt;
     if (!names) return BytesResult(std::string("the folder cannot be listed"));
     TransferWriter to;
@@ -135,9 +135,9 @@ std::optional<BytesResult> FileBatches::answer(const std::string& text) {
     return as_descriptor(to.take());
   }
   auto request = file_request_of(rest);
-  if ((kind != kMore && kind != kLast) || !request || batch_.size() >= kMostFilesOfBatch) return std::nullopt;
+  if ((kind != kMoreFollow && kind != kLastOfBatch) || !request || batch_.size() >= kMostFilesOfBatch) return std::nullopt;
   batch_.push_back(std::move(*request));
-  if (kind == kMore) return BytesResult(SharedBytes{});
+  if (kind == kMoreFollow) return BytesResult(SharedBytes{});
   const std::vector<FileRequest> batch = std::exchange(batch_, {});
   std::vector<FileResult> results;
   if (read_) results = read_(batch);
