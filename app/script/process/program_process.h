@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,14 +29,22 @@ class ProgramProcess final : public ProgramHost {
   ~ProgramProcess() override;
 
   [[nodiscard]] Report run(const Order& order) override;
+  void run_all(std::span<const Order> orders, const Reported& reported) override;
+  [[nodiscard]] std::size_t unreported() const override { return unreported_; }
   [[nodiscard]] std::string stopped() const override { return stopped_; }
   [[nodiscard]] pid_t process() const { return child_; }
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// Sends the order in `writer_` and answers questions until the report. Returns false if the child failed.
-  [[nodiscard]] bool obey(Report& report);
+  /// Waits for the start of the child. Returns false if it failed.
+  [[nodiscard]] bool is_ready();
+  /// Sends the first orders, as many as fit into a message, and answers questions until all have reports. Returns their
+  /// number; 0 if the child failed.
+  [[nodiscard]] std::size_t send_orders(std::span<const Order> orders, const Reported& reported);
+  /// Sends the message in `writer_` and answers questions until `reports` reports came. Returns false if the child
+  /// failed.
+  [[nodiscard]] bool hear_reports(std::size_t reports, const Reported& reported);
   [[nodiscard]] bool goes_on();
   void stop(const std::string& why);
 
@@ -46,6 +55,7 @@ class ProgramProcess final : public ProgramHost {
   std::vector<std::byte> message_;
   bool ready_ = false;          // the child has started
   std::size_t most_bytes_ = 0;  // of a message
+  std::size_t unreported_ = 0;
   Clock::time_point began_, pumped_, deadline_;
   std::string stopped_;
 };

@@ -88,6 +88,7 @@ void TimerQueue::call_waiting() {
   for (std::size_t i = 0; i < looking_.size(); ++i) {
     const EventNode node = looking_[i];
     nodes[node].looking = false;
+    if (nodes.type_of(node).kind != NodeType::Kind::script) execution_.scripts().flush();
     nodes.behaviour_of(node).on_time(execution_, node);
   }
   looking_.clear();
