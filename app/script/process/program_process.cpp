@@ -1,6 +1,7 @@
 #include "app/script/process/program_process.h"
 
 #include "app/base/child_process.h"
+#include "app/base/world_work.h"
 #include "app/script/boundary/hear.h"
 #include "app/script/process/program_child.h"
 
@@ -17,7 +18,7 @@ namespace {
 // Time that a child has beyond the limit of its calls, before it is killed.
 constexpr std::chrono::milliseconds kGrace{2000};
 constexpr std::chrono::milliseconds kStartTime{10'000};  // for the start of a child
-constexpr std::chrono::milliseconds kPumpAfter{100}, kPumpEvery{20};
+constexpr std::chrono::milliseconds kBetweenChecks{10};
 constexpr char kImpossible[] = "the process for programs sent impossible data";
 constexpr std::size_t kMessageRoom = std::size_t{64} << 20;  // bytes of a message beyond the heap of programs
 
@@ -26,15 +27,9 @@ std::string& program_of_scripts() {
   return program;
 }
 
-std::function<bool()>& wait_pump() {
-  static std::function<bool()> pump;
-  return pump;
-}
-
 }  // namespace
 
 void set_program_of_scripts(std::string program) { program_of_scripts() = std::move(program); }
-void set_wait_pump(std::function<bool()> pump) { wait_pump() = std::move(pump); }
 
 ProgramProcess::ProgramProcess(WorldAccess& world, const std::string& program, bool repeatable) : world_(world) {
   channel_.set_patience([this] { return goes_on(); });
@@ -47,19 +42,17 @@ ProgramProcess::ProgramProcess(WorldAccess& world, const std::string& program, b
 ProgramProcess::~ProgramProcess() { (void)end_child(child_); }
 
 bool ProgramProcess::goes_on() {
-  const Clock::time_point now = Clock::now();
+  looked_ = Clock::now();
   siginfo_t ended{};
   if (::waitid(P_PID, static_cast<id_t>(child_), &ended, WEXITED | WNOHANG | WNOWAIT) != 0 || ended.si_pid != 0) {
     stop("");
     return false;
   }
-  if (now >= deadline_) {
+  if (looked_ >= deadline_) {
     stop(kLateProgram);
     return false;
   }
-  if (!wait_pump() || now - began_ < kPumpAfter || now - pumped_ < kPumpEvery) return true;
-  pumped_ = now;
-  if (!wait_pump()()) return true;
+  if (!is_wait_unwanted(began_)) return true;
   stop("the user has stopped the programs");
   return false;
 }
@@ -70,7 +63,7 @@ void ProgramProcess::stop(const std::string& why) {
 }
 
 bool ProgramProcess::is_ready() {
-  began_ = pumped_ = Clock::now();
+  began_ = looked_ = Clock::now();
   deadline_ = began_ + kStartTime;
   unreported_ = 0;
   if (child_ <= 0) return false;
@@ -113,7 +106,7 @@ void ProgramProcess::run_all(std::span<const Order> orders, const Reported& repo
 std::size_t ProgramProcess::send_orders(std::span<const Order> orders, const Reported& reported) {
   constexpr std::size_t kFullMessage = Lane::kBytes / 2;
   const double seconds = orders.front().seconds;
-  began_ = pumped_ = Clock::now();
+  began_ = looked_ = Clock::now();
   deadline_ = began_ + kGrace + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
   most_bytes_ = orders.front().heap + kMessageRoom;
   writer_.clear();
@@ -137,7 +130,7 @@ bool ProgramProcess::hear_reports(std::size_t reports, const Reported& reported)
   for (bool asked = true; asked || reports > 0;) {
     if (asked && !channel_.send(writer_.bytes())) return false;
     // A child that talks without end never lets this process wait.
-    if (Clock::now() >= deadline_ && !goes_on()) return false;
+    if (Clock::now() - looked_ >= kBetweenChecks && !goes_on()) return false;
     if (!channel_.receive(message_, most_bytes_)) return false;
     const Heard heard = hear(world_, message_, writer_, count);
     if (heard == Heard::impossible) return false;

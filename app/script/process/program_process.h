@@ -17,12 +17,8 @@ namespace gs::app::script {
 /// path, programs run in this process, as in tests and in processes that are confined themselves.
 void set_program_of_scripts(std::string program);
 
-/// Sets the function that is called about 50 times a second while the calling thread waits for programs, from 0.1 s on.
-/// If it returns true, the programs of the world are ended. An empty function calls nothing.
-void set_wait_pump(std::function<bool()> pump);
-
 /// Host that runs programs in a confined child process. The child is killed if it does not answer in time, if it
-/// crashes, or if it says anything impossible.
+/// crashes, if it says anything impossible, or if the user wants the wait to end (app/base/world_work.h).
 class ProgramProcess final : public ProgramHost {
  public:
   ProgramProcess(WorldAccess& world, const std::string& program, bool repeatable);
@@ -56,7 +52,7 @@ class ProgramProcess final : public ProgramHost {
   bool ready_ = false;          // the child has started
   std::size_t most_bytes_ = 0;  // of a message
   std::size_t unreported_ = 0;
-  Clock::time_point began_, pumped_, deadline_;
+  Clock::time_point began_, looked_, deadline_;
   std::string stopped_;
 };
 

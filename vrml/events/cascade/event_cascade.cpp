@@ -49,7 +49,7 @@ std::pair<EventNode, std::uint32_t> EventCascade::receiver(const SceneGraph& sce
 bool EventCascade::send(const SceneGraph& scene, NodeId id, const InterfaceDeclaration& event_in,
                         const FieldValue& value) {
   const auto [node, interface] = receiver(scene, id, event_in, value);
-  if (node == 0) return false;
+  if (node == 0 || execution_.budget().is_halted()) return false;
   const FieldValue kept = value;
   receive(node, interface, kept);
   drain();
@@ -124,6 +124,7 @@ void EventCascade::drain() {
       while (queue_next_ < queue_.size()) {
         deliver(queue_[queue_next_++]);
         scripts.begin_new();
+        if (execution_.budget().is_halted()) queue_next_ = queue_.size();
       }
       scripts.flush();
       scripts.begin_new();
