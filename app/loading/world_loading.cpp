@@ -140,7 +140,10 @@ std::unordered_set<const vrml::Node*> WorldLoading::wanted() const {
 }
 bool WorldLoading::changed() const { return state_->loading.results.changed(); }
 bool WorldLoading::streaming() const { return state_->loading.fetcher.has_streams(); }
-bool WorldLoading::streams_rest() const { return state_->loading.fetcher.network().streams_rest(); }
+bool WorldLoading::streams_rest() const {
+  Fetcher& fetcher = state_->loading.fetcher;
+  return fetcher.network().streams_rest() && fetcher.cells().streams_rest();
+}
 net::CellClientStatistics WorldLoading::cells() const { return state_->loading.fetcher.cells().statistics(); }
 bool WorldLoading::streams_grew() { return state_->loading.fetcher.network().take_growth(); }
 
