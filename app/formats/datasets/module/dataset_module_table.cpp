@@ -1,4 +1,5 @@
 #include "app/formats/datasets/arrays/array_file.h"
+#include "app/formats/datasets/module/hdf5_driver.h"
 #include "app/formats/datasets/module/hdf5_file.h"
 
 namespace gs::app {
@@ -14,5 +15,6 @@ constexpr ArrayReader kModuleReaders[] = {
 
 extern "C" __attribute__((visibility("default"))) const gs::app::DatasetModule* ghostspace_dataset_module() {
   static const gs::app::DatasetModule module{gs::app::DatasetModule::kVersion, gs::app::kModuleReaders};
+  { const gs::app::Hdf5Scope initialised; }  // before the process confines itself
   return &module;
 }
