@@ -1,4 +1,5 @@
 #include "app/formats/datasets/arrays/array_file.h"
+#include "app/formats/datasets/module/hdf5_driver.h"
 #include "app/formats/datasets/module/hdf5_file.h"
 #include "app/formats/datasets/module/unpack_chunk.h"
 
@@ -14,6 +15,8 @@ constexpr ArrayReader kModuleReaders[] = {
 }  // namespace gs::app
 
 extern "C" __attribute__((visibility("default"))) const gs::app::DatasetModule* ghostspace_dataset_module() {
-  static const gs::app::DatasetModule module{gs::app::DatasetModule::kVersion, gs::app::kModuleReaders, gs::app::unpack_chunk};
+  static const gs::app::DatasetModule module{gs::app::DatasetModule::kVersion, gs::app::kModuleReaders,
+                                             gs::app::unpack_chunk};
+  { const gs::app::Hdf5Scope initialised; }  // before the process confines itself
   return &module;
 }
