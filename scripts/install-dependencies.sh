@@ -19,7 +19,7 @@ packages=(
   # fonts: shaping, and at least one font
   libfreetype-dev libfontconfig-dev libharfbuzz-dev libfribidi-dev fonts-dejavu-core
   # volumes
-  libexpat1-dev libhdf5-dev libblosc-dev liblz4-dev libtiff-dev libgdcm-dev
+  libexpat1-dev libhdf5-dev libblosc-dev liblz4-dev libbz2-dev liblzma-dev libtiff-dev libgdcm-dev
   # network
   libcurl4-openssl-dev libisal-dev libmicrohttpd-dev
   # Scripts

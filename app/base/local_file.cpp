@@ -108,6 +108,51 @@ ReadFile folder_reader(const std::string& folder) {
   };
 }
 
+ReadFiles files_beside(const std::string& path, const std::vector<std::string>& allowed) {
+  const net::Url base = net::url_of_path(path);
+  return [base, from = net::Origin{base.text()},
+          policy = policy_of_world(path, allowed)](std::span<const FileRequest> requests) {
+    std::vector<FileResult> results;
+    for (const FileRequest& request : requests)
+      results.push_back(read_local_part(net::resolve(base, net::parse_url(request.reference)), policy, from, request));
+    return results;
+  };
+}
+
+ListFolder lister_beside(const std::string& path) {
+  const net::Url base = net::url_of_path(path);
+  return [base, policy = policy_of_world(path, {}),
+          from = net::Origin{base.text()}](const std::string& reference) -> std::optional<std::vector<std::string>> {
+    const std::string folder = net::path_of_url(net::resolve(base, net::parse_url(reference)));
+    if (folder.empty() || policy.refuse_file(from, folder)) return std::nullopt;
+    constexpr std::size_t kMostNames = 1'000'000;
+    std::vector<std::string> names;
+    std::error_code error;
+    for (fs::directory_iterator entry(folder, error), end; !error && entry != end && names.size() < kMostNames;
+         entry.increment(error))
+      if (std::string name = entry->path().filename().string(); !name.starts_with('.'))
+        names.push_back(std::move(name));
+    if (error) return std::nullopt;
+    return names;
+  };
+}
+
+FileResult read_local_part(const net::Url& url, const net::ReferencePolicy& policy, const net::Origin& from,
+                           const FileRequest& request) {
+  if (const auto refused = policy.refuse(from, url)) return request.reference + ": " + refused->message;
+  if (url.scheme != "file") return request.reference + ": not a local file";
+  const std::string path = net::path_of_url(url);
+  if (const auto refused = policy.refuse_file(from, path)) return path + ": " + refused->message;
+  auto opened = net::map_file(path);
+  if (auto* const file = std::get_if<net::MappedFile>(&opened))
+    return part_of(shared_bytes(std::move(*file)), request.part);
+  std::error_code error;
+  if (fs::symlink_status(path, error).type() == fs::file_type::not_found) return NoFile();
+  // A chunk that is a folder does not exist.
+  if (fs::is_directory(path, error)) return NoFile();
+  return std::get<net::FileError>(opened).message;
+}
+
 SharedBytes shared_bytes(net::MappedFile file) {
   auto owner = std::make_shared<const net::MappedFile>(std::move(file));
   return {owner, owner->bytes(), owner.get()};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/base/read_file.h"
+#include "app/base/read_files.h"
 #include "net/base/reference_policy.h"
 #include "net/base/url.h"
 #include "net/files/file.h"
@@ -39,6 +40,14 @@ struct LocalFile {
 
 /// Returns a function that reads the files in a folder, and answers kFolderReference with their names.
 [[nodiscard]] ReadFile folder_reader(const std::string& folder);
+
+/// Reads a local file, or a part of it, for a text from `from`.
+[[nodiscard]] FileResult read_local_part(const net::Url& url, const net::ReferencePolicy& policy,
+                                         const net::Origin& from, const FileRequest& request);
+/// Returns a function that reads several files as reader_beside() does. Upper and lower case matter.
+[[nodiscard]] ReadFiles files_beside(const std::string& path, const std::vector<std::string>& allowed);
+/// Returns a function that lists folders in the folder of the file `path`, and below. Omits names that begin with '.'.
+[[nodiscard]] ListFolder lister_beside(const std::string& path);
 
 /// Returns the bytes of a mapped file. They own the mapping.
 [[nodiscard]] SharedBytes shared_bytes(net::MappedFile file);

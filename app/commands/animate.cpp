@@ -41,6 +41,7 @@ class AnimatedWorld {
     simulation_ = std::make_unique<Simulation>(std::move(world), glm::ivec2(options_.width, options_.height),
                                                view_style(options_));
     simulation_->fetch_with(*loading_);
+    tell_of_programs(*simulation_, of_programs_);
     if (viewpoint.empty() || options_.orbit) return std::nullopt;
     return simulation_->begin_at(viewpoint);
   }
@@ -77,6 +78,7 @@ class AnimatedWorld {
   const AnimateCommand& options_;
   std::string file_;
   std::optional<WorldLoading> loading_;
+  Diagnostics of_programs_;
   std::unique_ptr<Simulation> simulation_;
   std::unique_ptr<VolumeShow> show_;
 };

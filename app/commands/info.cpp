@@ -12,7 +12,6 @@
 #include "app/formats/qnv/geometry_reader.h"
 #include "base/gzip.h"
 #include "base/json_value.h"
-#include "net/base/url.h"
 #include "net/files/file.h"
 #include "qnv/codecs/displaced/surface.h"
 #include "qnv/codecs/gaussians/splat_cluster.h"
@@ -408,8 +407,7 @@ void describe_world(JsonValue& facts, const OpenedSurface& opened) {
 
 int run_info(const InfoCommand& options) {
   const std::string& path = options.files.front();
-  const net::Url url = net::parse_url(path);
-  const std::string local = url.scheme == "file" ? net::path_of_url(url) : path;
+  const std::string local = local_input(path);
   const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                            std::chrono::duration<double>(std::min(options.timeout_seconds, 1e6)));
   const std::string entry = entry_of_folder(local);

@@ -170,8 +170,10 @@ int run_snapshot(const OpenCommand& given_options, const std::string& named) {
   const std::size_t warnings = world.diagnostics.warnings(), errors = world.diagnostics.errors();
   if (!world.scene) return kFailed;
   const bool large = world.bytes > kLargeWorld;
+  Diagnostics of_programs;
   Simulation simulation(std::move(world), {options.width, options.height}, view_style(options));
   simulation.fetch_with(*loading);
+  tell_of_programs(simulation, of_programs);
   simulation.measure(measured);
   if (!options.viewpoint.empty() && !options.orbit)
     if (const auto problem = simulation.begin_at(options.viewpoint)) return fail(*problem);
@@ -270,8 +272,8 @@ int run_snapshot(const OpenCommand& given_options, const std::string& named) {
     stats.put("backend", std::string(context.backend()));
     stats.put("renderer", renderer.gl_renderer());
     stats.put("splats", statistics.splats);
-    stats.put("errors", errors + limits.errors());
-    stats.put("warnings", warnings);
+    stats.put("errors", errors + limits.errors() + of_programs.errors());
+    stats.put("warnings", warnings + of_programs.warnings());
     if (const int status = write_stats(options.stats, stats.json()); status != kDone) return status;
   }
   return leave(loading, simulation.world().truncated ? kFailed : kDone);

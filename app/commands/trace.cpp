@@ -42,6 +42,15 @@ bool plan_input(const SimulationOptions& options, Simulation& simulation) {
 
 void use_universal_time() { (void)::setenv("TZ", "UTC", 1); }
 
+void tell_of_programs(Simulation& simulation, Diagnostics& told) {
+  simulation.observe_scripts([&told](const ScriptMessage& message) {
+    if (message.printed) return;
+    const std::size_t stored = told.entries().size();
+    told.add(message.diagnostic);
+    if (told.entries().size() > stored) complain("%s", message.diagnostic.text().c_str());
+  });
+}
+
 void tell_of_simulation(const SimulationOptions& options, const std::string& path, Simulation& simulation) {
   const char* const file = path.c_str();
   print_diagnostics(simulation.troubles());

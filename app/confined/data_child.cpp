@@ -51,6 +51,7 @@ void DataServer::read_slices(const DecodeRequest& request, DecodeAnswer& answer)
     answer.good = 1;
     answer.count = i + 1;
   }
+  set_error(answer, data_.trouble());
 }
 
 bool DataServer::answer_request() {

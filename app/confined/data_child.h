@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace gs::app {
@@ -20,6 +21,8 @@ class OpenData : NonCopyable {
                                                     const ReadFile& ask) = 0;
   /// Reads a slice of a source in the reply. Returns false on failure, or if there is no such slice.
   [[nodiscard]] virtual bool read_slice(std::uint64_t source, std::uint64_t slice, std::span<std::byte> to) = 0;
+  /// Returns a message about parts that could not be read so far; empty if there are none.
+  [[nodiscard]] virtual std::string trouble() const { return {}; }
 };
 /// Makes the data of a child, before a file is open.
 using MakeOpenData = std::unique_ptr<OpenData> (*)();

@@ -2,7 +2,7 @@
 
 #include "app/base/console.h"
 #include "app/base/exit_status.h"
-#include "app/script/process/program_process.h"
+#include "app/base/world_work.h"
 
 #include <algorithm>
 #include <atomic>
@@ -71,8 +71,10 @@ EndWatch::~EndWatch() {
   thread_.join();
 }
 
-ScriptStop::ScriptStop(std::function<bool()> is_asked_to_stop) { script::set_wait_pump(std::move(is_asked_to_stop)); }
+WorldStop::WorldStop(std::function<bool()> is_asked_to_stop, std::function<void()> during_waits) {
+  set_stop_request(std::move(is_asked_to_stop), std::move(during_waits));
+}
 
-ScriptStop::~ScriptStop() { script::set_wait_pump(nullptr); }
+WorldStop::~WorldStop() { set_stop_request({}); }
 
 }  // namespace gs::app

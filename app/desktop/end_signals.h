@@ -51,13 +51,14 @@ class EndWatch : NonCopyable {
   std::thread thread_;
 };
 
-/// Guard that lets the user stop Scripts while the session's thread waits for them. Calls `is_asked_to_stop` on that
-/// thread, about 50 times a second. If it returns true, the programs of that world end at once, and the session
-/// continues. Only one object may exist at a time.
-class ScriptStop : NonCopyable {
+/// Guard that lets the user stop the work for a world on the calling thread, see app/base/world_work.h: after 0.1 s of
+/// waiting for Scripts or 0.5 s of other work, `is_asked_to_stop` is called about 50 times a second. If it returns
+/// true, the Scripts or the events of that world end at once, and the session continues. `during_waits` is called as
+/// often while Scripts are awaited. Only one object may exist at a time.
+class WorldStop : NonCopyable {
  public:
-  explicit ScriptStop(std::function<bool()> is_asked_to_stop);
-  ~ScriptStop();
+  explicit WorldStop(std::function<bool()> is_asked_to_stop, std::function<void()> during_waits = {});
+  ~WorldStop();
 };
 
 }  // namespace gs::app

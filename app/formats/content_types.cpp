@@ -1,5 +1,6 @@
 #include "app/formats/content_types.h"
 
+#include "app/confined/decoder_pool.h"
 #include "app/formats/common/scene_builder.h"
 #include "app/formats/datasets/dataset_formats.h"
 #include "app/formats/foreign_types.h"
@@ -100,7 +101,9 @@ void note_dataset(const qnv::VolumeSource& volume, const ImportSource& source) {
 }
 
 Asset read_volume(const ImportSource& source) {
-  auto opened = open_volume_confined(source.path, {}, {source.read_file, source.name, source.component}, source.budget);
+  auto opened = open_volume_confined(
+      source.path, {}, {source.read_file, source.name, source.component, source.read_files, source.list_folder},
+      source.budget);
   if (auto* volume = std::get_if<qnv::VolumeSource>(&opened)) {
     note_dataset(*volume, source);
     return std::move(*volume);
@@ -198,7 +201,14 @@ const ContentType& content_type_of(std::string_view path, Bytes bytes) {
 }
 
 const ContentType& type_of_content(const ContentType& type, const ImportSource& source) {
-  return type.holds_mesh && type.holds_mesh(source) ? *type.mesh_type : type;
+  if (!type.holds_mesh) return type;
+  if (!source.local || DecoderPool::of_program().program().empty())
+    return type.holds_mesh(source) ? *type.mesh_type : type;
+  // A child tries to open it as a volume.
+  const auto opened =
+      open_volume_confined(source.path, {}, {source.read_file, source.name, source.component}, source.budget);
+  const auto* const problem = std::get_if<std::string>(&opened);
+  return problem && problem->ends_with(kIsMesh) ? *type.mesh_type : type;
 }
 
 std::optional<std::string> refuse_first_bytes(std::string_view path, Bytes first) {

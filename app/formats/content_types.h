@@ -19,7 +19,8 @@ namespace gs::app {
 /// its parser reports the best errors.
 [[nodiscard]] const ContentType& content_type_of(std::string_view path, std::span<const std::byte> bytes);
 
-/// Returns the type of a whole file of `type`, which may hold a mesh instead of a volume (ContentType::holds_mesh).
+/// Returns the type of a whole file of `type`, which may hold a mesh instead of a volume (ContentType::holds_mesh). A
+/// confined child looks into local files.
 [[nodiscard]] const ContentType& type_of_content(const ContentType& type, const ImportSource& source);
 
 /// Refuses a file if its name belongs to a type with a `mark` and the file does not begin with that mark. Returns the

@@ -1,5 +1,6 @@
 #include "app/formats/foreign_types.h"
 
+#include "app/formats/volume/volume_common.h"
 #include "app/formats/archive/zip_archive.h"
 
 #include "base/text.h"
@@ -212,16 +213,6 @@ constexpr ContentType kUnknownBinary =
             "'ghostspace --help' lists the formats that can be opened; for raw voxels, state their number with --dims "
             "XxYxZ");
 
-bool has_names(const std::filesystem::path& folder, std::initializer_list<const char*> names) {
-  std::error_code error;
-  return std::any_of(names.begin(), names.end(),
-                     [&](const char* name) { return std::filesystem::exists(folder / name, error); });
-}
-
-bool is_zarr(const std::filesystem::path& folder) {
-  return has_names(folder, {".zarray", ".zgroup", ".zattrs", ".zmetadata", "zarr.json"});
-}
-
 }  // namespace
 
 std::span<const ContentType> foreign_types() { return kForeignTypes; }
@@ -231,14 +222,12 @@ const ContentType& unknown_binary() { return kUnknownBinary; }
 std::optional<std::string> refusal_of_folder(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_directory(path, error)) return std::nullopt;
-  if (is_zarr(path)) return "a Zarr folder cannot be read; " + std::string(kArray);
-  if (has_names(path, {"attributes.json"})) return "an N5 folder cannot be read; " + std::string(kArray);
   constexpr int kLookedAt = 64;
   int looked_at = 0;
   for (std::filesystem::directory_iterator entry(path, error), end; !error && entry != end && looked_at < kLookedAt;
        entry.increment(error), ++looked_at)
-    if (entry->is_directory(error) && is_zarr(entry->path()))
-      return "a Zarr folder cannot be read; " + std::string(kArray);
+    if (entry->is_directory(error) && !zarr_entry_of_folder(entry->path().string()).empty())
+      return "a folder cannot be opened; open the Zarr container in it: " + entry->path().string();
   return "a folder cannot be opened; open one of its files, or list them with 'ghostspace serve FOLDER'";
 }
 

@@ -250,7 +250,7 @@ void ViewportWidgets::stopped_card(const UiViewport& viewport, bool log_open, Ui
   ImGui::PopStyleVar();
   ImGui::PushTextWrapPos(width - 24 * scale_);
   colored_text(UiColors::kError, "This world stopped responding");
-  text("Its Scripts have ended: " + shortened(viewport.stopped, 200) + ".");
+  text(shortened(viewport.stopped, 200));
   ImGui::PopTextWrapPos();
   if (ImGui::Button("Reload")) actions.pane = wish(PaneRequest::Kind::open_again, viewport);
   tooltips_.show("Open the world again, with its Scripts");

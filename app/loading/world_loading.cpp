@@ -1,5 +1,7 @@
 #include "app/loading/world_loading.h"
 
+#include "app/formats/datasets/zarr/zarr_place.h"
+#include "app/formats/volume/volume_common.h"
 #include "app/base/local_file.h"
 #include "app/formats/volume/volume.h"
 #include "app/loading/content/outline_handler.h"
@@ -46,8 +48,10 @@ void WorldLoading::State::start() {
   auto first = std::make_unique<Fetch>();
   if (asked.scheme.empty() || asked.scheme == "file") {
     std::string path = asked.scheme.empty() ? asked_path : net::path_of_url(asked);
-    if (std::string entry = entry_of_folder(path); !entry.empty())
-      loading.options.component.folder = std::exchange(path, std::move(entry));
+    if (std::string zarr = zarr_entry_of_folder(path); !zarr.empty())
+      path = std::move(zarr);
+    else if (std::string scan = entry_of_folder(path); !scan.empty())
+      loading.options.component.folder = std::exchange(path, std::move(scan));
     std::error_code error;
     // A world from standard input resolves references in the working directory.
     const std::string place = path == net::kStandardInputPath ? "stdin" : path;
@@ -56,7 +60,8 @@ void WorldLoading::State::start() {
     first->given_path = path;
     loading.fetcher.set_policy(policy_of_world(place, loading.options.allowed));
   } else {
-    first->candidates = {asked};
+    for (const std::string& entry : zarr_entries_of_url(asked_path)) first->candidates.push_back(net::parse_url(entry));
+    if (first->candidates.empty()) first->candidates = {asked};
   }
   first->max_bytes = loading.options.max_bytes;
   first->handler = root;
@@ -139,7 +144,10 @@ std::unordered_set<const vrml::Node*> WorldLoading::wanted() const {
 }
 bool WorldLoading::changed() const { return state_->loading.results.changed(); }
 bool WorldLoading::streaming() const { return state_->loading.fetcher.has_streams(); }
-bool WorldLoading::streams_rest() const { return state_->loading.fetcher.network().streams_rest(); }
+bool WorldLoading::streams_rest() const {
+  Fetcher& fetcher = state_->loading.fetcher;
+  return fetcher.network().streams_rest() && fetcher.cells().streams_rest();
+}
 net::CellClientStatistics WorldLoading::cells() const { return state_->loading.fetcher.cells().statistics(); }
 bool WorldLoading::streams_grew() { return state_->loading.fetcher.network().take_growth(); }
 

@@ -1,6 +1,6 @@
 #include "app/picture/volume_show.h"
 
-#include "app/formats/volume/volume.h"
+#include "app/formats/volume/volume_common.h"
 #include "app/picture/picture_marks.h"
 #include "app/view/derived/volume_histogram.h"
 #include "app/view/values/color_maps.h"
@@ -48,7 +48,7 @@ std::optional<std::size_t> image_axis(const qnv::Description& volume) {
 bool has_volume_values(const std::string& path) {
   constexpr std::size_t kHeader = 1024;  // bytes with which every format begins recognisably
   std::error_code error;
-  if (!entry_of_folder(path).empty()) return true;
+  if (!zarr_entry_of_folder(path).empty() || !entry_of_folder(path).empty()) return true;
   if (!std::filesystem::is_regular_file(path, error)) return false;
   const auto opened = net::map_file(path);
   const auto* file = std::get_if<net::MappedFile>(&opened);

@@ -12,6 +12,7 @@
 #include <js/SourceText.h>
 #include <jsfriendapi.h>
 
+#include <chrono>
 #include <utility>
 
 namespace gs::app::script {
@@ -61,6 +62,13 @@ Program* World::program_of(vrml::EventNode node) const {
 }
 
 Report World::run(const Order& order) {
+  const auto began = std::chrono::steady_clock::now();
+  Report report = obey(order);
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  return report;
+}
+
+Report World::obey(const Order& order) {
   view_.begin_function(order.gone);
   calls_.prepare(order);
   if (order.kind == Order::Kind::check) return check(order);

@@ -26,6 +26,7 @@ class World final : public ProgramHost {
 
  private:
   [[nodiscard]] Program* program_of(vrml::EventNode node) const;
+  [[nodiscard]] Report obey(const Order& order);
   [[nodiscard]] Report start(const Order& order);
   [[nodiscard]] Report check(const Order& order);
   Program& program_for(const Order& order);

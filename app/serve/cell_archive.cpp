@@ -1,6 +1,7 @@
 #include "app/serve/cell_archive.h"
 
 #include "app/streams/cell_regions.h"
+#include "app/streams/cell_wishes.h"
 #include "qnv/codecs/payloads.h"
 #include "qnv/codecs/values/chunk_places.h"
 
@@ -22,8 +23,9 @@ namespace {
 // Size of ten symbols of the erasure code. This is the initial window of a server that does not know the path yet (RFC
 // 6928).
 constexpr std::size_t kBaseBytes = 12'000;
-constexpr std::uint32_t kMaxIndexed = std::uint32_t{1} << 20;
 constexpr std::size_t kMaxDirectoryBytes = std::size_t{64} << 20;
+// Clients request the chunks of a volume of this size by its directory.
+constexpr std::uint64_t kLongVolume = std::uint64_t{1} << 20;
 
 struct Place {
   std::uint64_t offset = 0;
@@ -40,11 +42,12 @@ class QnvSource : public net::CellSource {
 
   [[nodiscard]] std::uint32_t version() const override { return version_; }
   [[nodiscard]] std::span<const std::byte> base() const override { return base_; }
-  [[nodiscard]] std::size_t streams() const override { return 1; }
+  [[nodiscard]] std::size_t streams() const override { return counts_.size(); }
   [[nodiscard]] bool records(std::size_t) const override { return payload_->record_bytes > 0; }
-  [[nodiscard]] std::uint32_t chunks(std::size_t) const override { return static_cast<std::uint32_t>(places_.size()); }
-  [[nodiscard]] std::optional<net::CellBox> box(std::size_t, std::uint32_t chunk) const override {
-    return chunk < places_.size() ? places_[chunk].box : std::nullopt;
+  [[nodiscard]] std::uint32_t chunks(std::size_t stream) const override { return counts_[stream]; }
+  [[nodiscard]] std::optional<net::CellBox> box(std::size_t stream, std::uint32_t chunk) const override {
+    const Place* const place = find(stream, chunk);
+    return place ? place->box : std::nullopt;
   }
   [[nodiscard]] std::optional<net::CellChunk> chunk(std::size_t stream, std::uint32_t chunk) override;
 
@@ -52,12 +55,16 @@ class QnvSource : public net::CellSource {
   [[nodiscard]] std::vector<std::byte> bytes(std::uint64_t offset, std::size_t count) const;
   [[nodiscard]] std::vector<Place> from_directory(const qnv::StreamHeader& header) const;
   [[nodiscard]] std::vector<Place> from_chunks(std::uint64_t begin) const;
+  [[nodiscard]] std::vector<Place> directory_chunks(const qnv::StreamHeader& header) const;
+  [[nodiscard]] const Place* find(std::size_t stream, std::uint32_t chunk) const;
 
   net::ServedFile file_;
   std::uint32_t version_ = 0;
   const qnv::PayloadRow* payload_ = qnv::payload_rows().data();
   std::vector<std::byte> base_;
   std::vector<Place> places_;
+  std::vector<Place> directory_;             // its chunks, if clients may request them
+  std::vector<std::uint32_t> counts_ = {0};  // chunks of each stream
 };
 
 // Reads `count` bytes at `offset`. Returns fewer bytes at the end of the file.
@@ -92,12 +99,12 @@ std::vector<Place> QnvSource::from_directory(const qnv::StreamHeader& header) co
       const std::size_t known = listed.places().size();
       if (!listed.add(payload)) return;
       for (const qnv::values::ChunkPlace& place : std::span(listed.places()).subspan(known))
-        if (places.size() < kMaxIndexed)
+        if (places.size() < kMaxNumbered)
           places.push_back({place.offset, place.bytes, cell_box(entry_of(place).box, header.description.box)});
     }
     if (type != qnv::ChunkType::directory) return;
     for (const qnv::DirectoryEntry& entry : qnv::decode_directory(payload, header.description.box))
-      if (places.size() < kMaxIndexed && entry.bytes > qnv::kChunkHeaderBytes)
+      if (places.size() < net::kMaxChunks && entry.bytes > qnv::kChunkHeaderBytes)
         places.push_back({entry.offset, entry.bytes, cell_box(entry.box, header.description.box)});
   };
   (void)reader.push(qnv::encode_header(header), on_chunk);
@@ -106,11 +113,24 @@ std::vector<Place> QnvSource::from_directory(const qnv::StreamHeader& header) co
   return places;
 }
 
+// Returns the directory chunks of a long volume.
+std::vector<Place> QnvSource::directory_chunks(const qnv::StreamHeader& header) const {
+  std::vector<Place> places;
+  if (header.payload != qnv::Payload::values || file_.stamp.size < kLongVolume) return places;
+  for (std::uint64_t at = header.directory; at < file_.stamp.size && places.size() < net::kMaxChunks;) {
+    const auto head = qnv::chunk_head(bytes(at, qnv::kChunkHeaderBytes));
+    if (!head) break;
+    if (head->type == qnv::ChunkType::places) places.push_back({at, static_cast<std::uint32_t>(head->bytes), {}});
+    at += head->bytes;
+  }
+  return places;
+}
+
 // Returns the chunks of a file without a directory, by reading one header after the other. Stops at bytes that are no
 // chunk.
 std::vector<Place> QnvSource::from_chunks(std::uint64_t begin) const {
   std::vector<Place> places;
-  while (places.size() < kMaxIndexed) {
+  while (places.size() < net::kMaxChunks) {
     const auto head = qnv::chunk_head(bytes(begin, qnv::kChunkHeaderBytes));
     if (!head) break;
     if (qnv::carries(*payload_, head->type)) places.push_back({begin, static_cast<std::uint32_t>(head->bytes), {}});
@@ -129,6 +149,7 @@ std::optional<std::string> QnvSource::read() {
   const auto& header = std::get<qnv::StreamHeader>(decoded);
   payload_ = &qnv::row_of(header);
   std::vector<Place> all = from_directory(header);
+  if (!all.empty()) directory_ = directory_chunks(header);
   if (all.empty()) all = from_chunks(header_bytes);
   // The protected base consists of the header and the following chunks that fit in kBaseBytes. Parity is left out,
   // because cells have their own.
@@ -140,7 +161,8 @@ std::optional<std::string> QnvSource::read() {
   bool good = append(0, header_bytes);
   std::size_t first = 0;
   std::uint64_t end = header_bytes;
-  while (good && first < all.size() && all[first].offset >= end &&
+  // Clients derive the offsets of its chunks from a directory, so that it then ends at the first parity.
+  while (good && first < all.size() && all[first].offset >= end && (directory_.empty() || all[first].offset == end) &&
          base_.size() + all[first].bytes <= std::max<std::size_t>(kBaseBytes, header_bytes)) {
     end = all[first].offset + all[first].bytes;
     good = append(all[first].offset, all[first].bytes);
@@ -148,18 +170,31 @@ std::optional<std::string> QnvSource::read() {
   }
   if (!good) return "the file cannot be read";
   places_.assign(all.begin() + static_cast<std::ptrdiff_t>(first), all.end());
+  counts_ = cells_of_numbers(places_.size(), directory_.size());
+  if (directory_.empty()) counts_.resize(1);
   const std::string tag = file_.stamp.etag();
   version_ = static_cast<std::uint32_t>(std::stoul(tag.substr(1, 8), nullptr, 16));
   return std::nullopt;
 }
 
-std::optional<net::CellChunk> QnvSource::chunk(std::size_t, std::uint32_t number) {
-  if (number >= places_.size()) return std::nullopt;
-  const Place& place = places_[number];
+// Returns the place of a chunk, or null.
+const Place* QnvSource::find(std::size_t stream, std::uint32_t chunk) const {
+  const bool listed = stream == kPlacesStream;
+  const std::vector<Place>& places = listed ? directory_ : places_;
+  const std::size_t number = listed ? chunk : number_of_cell({static_cast<std::uint8_t>(stream), chunk});
+  return number < places.size() ? &places[number] : nullptr;
+}
+
+std::optional<net::CellChunk> QnvSource::chunk(std::size_t stream, std::uint32_t number) {
+  const Place* const found = find(stream, number);
+  if (!found) return std::nullopt;
+  const Place& place = *found;
   if (place.bytes > qnv::kChunkHeaderBytes + qnv::kMaxChunkBytes) return std::nullopt;
   const std::vector<std::byte> all = bytes(place.offset, place.bytes);
   // Cutting fails if the file has changed or its directory is wrong.
-  const auto parts = all.size() == place.bytes ? qnv::cut_chunk(*payload_, all) : std::nullopt;
+  std::optional<qnv::ChunkParts> parts;
+  if (all.size() == place.bytes)
+    parts = stream == kPlacesStream ? qnv::ChunkParts{{}, all} : qnv::cut_chunk(*payload_, all);
   if (!parts || !(net::stamp_of(file_.descriptor) == file_.stamp)) return std::nullopt;
   return net::CellChunk{{parts->head.begin(), parts->head.end()}, {parts->body.begin(), parts->body.end()}};
 }

@@ -12,7 +12,8 @@ namespace gs::app {
 
 /// Library that sends the QNV streams of a folder as cells. The protected base is the start of the file: header and
 /// first chunks. The other chunks follow in the order of the file, each with its chunk header. For a records chunk, the
-/// chunk header and the 48 bytes before the records are its head, which is sent separately.
+/// chunk header and the 48 bytes before the records are its head, which is sent separately. Of long values, another
+/// stream has the directory (app/streams/cell_wishes.h).
 class CellArchive : public net::CellLibrary {
  public:
   [[nodiscard]] static std::variant<std::shared_ptr<CellArchive>, std::string> of_folder(const std::string& folder);

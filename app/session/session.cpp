@@ -1,5 +1,6 @@
 #include "app/session/session.h"
 
+#include "app/base/world_work.h"
 #include "app/session/navigation/script_effects.h"
 #include "render/scene/late_meshes.h"
 
@@ -130,6 +131,7 @@ bool Session::advance_worlds(bool look) {
   if (step_.now < life_due_) return false;
   acted_ = false;
   const double started = world_time();
+  const WorldWork work;
   bool any = false;
   sound_.begin();
   for (Document* document : running()) any = advance_world(*document, look) || any;

@@ -49,11 +49,32 @@ CellStream::CellStream(const net::Url& url, const CellStreamOptions& options, Si
 }
 
 void CellStream::want(const net::Url& url, const CellStreamOptions& options) {
-  net::CellWish wish;
-  wish.path = url.path.empty() ? "/" : url.path;
-  wish.budget = options.budget;
-  wish.repair = options.repair;
-  driver_->want(kSlot, std::move(wish));
+  wish_.path = url.path.empty() ? "/" : url.path;
+  wish_.streams = 1U << 0;  // not the directory
+  wish_.budget = options.budget;
+  wish_.repair = options.repair;
+  driver_->want(kSlot, wish_);
+}
+
+bool CellStream::follow_wishes(std::shared_ptr<StreamFeed> feed, std::span<const std::byte> base) {
+  if (places_ == 0 || !driver_) return false;
+  feed_ = std::move(feed);
+  wishes_.emplace(feed_, base, places_);
+  wish_.streams = 0;
+  wish_.repair = false;
+  driver_->want(kSlot, wish_);
+  return true;
+}
+
+// Tells the server what views want.
+void CellStream::prefer() {
+  if (wishes_) {
+    if (!wishes_->update()) return;
+    driver_->forget(kSlot, wishes_->take_again());
+    driver_->prefer(kSlot, {}, wishes_->names());
+  } else if (std::vector<qnv::LodView> views; feed_ && feed_->take_views(views)) {
+    driver_->prefer(kSlot, regions_of(views, feed_->box()), {});
+  }
 }
 
 bool CellStream::step() {
@@ -62,8 +83,7 @@ bool CellStream::step() {
     end(problem_);
     return true;
   }
-  if (std::vector<qnv::LodView> views; feed_ && feed_->take_views(views))
-    driver_->prefer(kSlot, regions_of(views, feed_->box()), {});
+  prefer();
   follow_weight();
   bool any = false;
   for (net::CellEvent& event : driver_->poll(kAtOnce)) {
@@ -71,6 +91,7 @@ bool CellStream::step() {
     take(event);
     any = true;
   }
+  if (any && !over_) prefer();
   return any;
 }
 
@@ -99,17 +120,20 @@ void CellStream::take(net::CellEvent& event) {
                  "the new one");
     version_ = event.version;
     answered_ = true;
+    places_ = event.chunks.size() > kPlacesStream ? event.chunks[kPlacesStream] : 0;
     if (!std::exchange(granted_, true)) sink_.granted();
   } else if (event.kind == Kind::base) {
     if (std::exchange(base_, true)) return;
     sink_.base(std::move(event.bytes));
-    for (const net::CellEvent& early : std::exchange(early_, {})) sink_.piece(early);
+    for (net::CellEvent& early : std::exchange(early_, {})) take_piece(early);
   } else if (event.kind == Kind::piece && !base_) {
     // Pieces cannot be decoded without the base. Keep them until it is received.
     early_bytes_ += event.bytes.size() + sizeof event;
     if (early_bytes_ <= kMaxEarly) early_.push_back(std::move(event));
   } else if (event.kind == Kind::piece) {
-    sink_.piece(event);
+    take_piece(event);
+  } else if (wishes_ && (event.kind == Kind::ended || event.kind == Kind::complete)) {
+    return;  // views may want more
   } else if (event.kind == Kind::ended) {
     missing_ = true;  // unless `complete` follows
     sink_.ended(std::nullopt);
@@ -120,6 +144,13 @@ void CellStream::take(net::CellEvent& event) {
     answered_ = answered_ || event.kind == Kind::refused;
     end(name_ + ": " + event.text);
   }
+}
+
+void CellStream::take_piece(net::CellEvent& event) {
+  sink_.piece(event);
+  if (!wishes_ || over_) return;
+  if (const std::string problem = wishes_->take(event.name, std::move(event.bytes)); !problem.empty())
+    end(name_ + ": " + problem);
 }
 
 void CellStream::end(const std::optional<std::string>& problem) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/streams/cell_wishes.h"
 #include "app/streams/stream_feed.h"
 #include "net/base/url.h"
 #include "net/cells/cell_driver.h"
@@ -9,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -46,11 +48,18 @@ class CellStream {
   bool step();
   /// Sets the feed. From now on, its views choose which chunks the server sends first.
   void follow(std::shared_ptr<StreamFeed> feed) { feed_ = std::move(feed); }
+  /// Sets a feed that takes bytes. From now on, the server sends only the directory and what views want, and the feed
+  /// gets it. Returns false if the server sends no directory. Call it when the base is received.
+  [[nodiscard]] bool follow_wishes(std::shared_ptr<StreamFeed> feed, std::span<const std::byte> base);
   /// Sets the requested rate in bits per second. 0 means the server's limit.
   void set_rate(std::uint64_t rate);
   /// Returns true if the server has sent anything so far.
   [[nodiscard]] bool answered() const { return answered_; }
   [[nodiscard]] bool over() const { return over_; }
+  /// Returns true if only views choose what the server sends.
+  [[nodiscard]] bool by_wishes() const { return wishes_.has_value(); }
+  /// Returns true if nothing is awaited that views want.
+  [[nodiscard]] bool rests() const { return over_ || (wishes_ && wishes_->rests()); }
   /// Returns true if the server has sent everything, but lost data are missing.
   [[nodiscard]] bool missing() const { return missing_; }
   /// Returns the statistics of received and lost datagrams.
@@ -58,7 +67,9 @@ class CellStream {
 
  private:
   void want(const net::Url& url, const CellStreamOptions& options);
+  void prefer();
   void take(net::CellEvent& event);
+  void take_piece(net::CellEvent& event);
   void follow_weight();
   void end(const std::optional<std::string>& problem);
 
@@ -68,6 +79,9 @@ class CellStream {
   net::CellClientStatistics last_;  // final statistics, after the driver has ended
   std::shared_ptr<StreamFeed> feed_;
   std::string problem_;  // error before the first request
+  net::CellWish wish_;   // the request
+  std::uint32_t places_ = 0;  // chunks of the directory that the server offers
+  std::optional<CellWishes> wishes_;
   std::uint64_t rate_ = 0;  // bits per second: as requested, else the server's first grant
   double weight_ = 1;  // weight of the feed that is in effect
   std::optional<std::uint32_t> version_;

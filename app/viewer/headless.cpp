@@ -36,7 +36,7 @@ int run_headless(const ViewerOptions& options, const LoadOptions& load, const st
                  std::string& error) {
   Doorbell bell;
   const EndOnSignals signals(bell);
-  const ScriptStop stop([] { return EndOnSignals::told(); });
+  const WorldStop stop([] { return EndOnSignals::told(); });
   const auto wake = [&bell] { bell.ring(); };
   std::optional<OpenedRenderer> opened;
   Session session(options.session, load, wake);

@@ -104,7 +104,11 @@ void Viewer::run() {
       ui_.begin_frame(now, events);  // the interface has precedence over the worlds
       input.events = controller_.take(events);
     }
+    interface_open_ = !events.empty();
+    step_began_ = Window::now();
     frame_ = session_.step(world_time(), input);
+    step_began_.reset();
+    for (const UiActions& actions : std::exchange(late_actions_, {})) controller_.apply(actions);
     tell(frame_);
     if (controller_.inspection().busy() || controller_.inspection().take_news(now))
       frames_wanted_ = std::max(frames_wanted_, 1);
@@ -129,9 +133,9 @@ void Viewer::run() {
     if (interface_first_) frames_wanted_ = kSettlingFrames;
     session_.streams().request();
     controller_.inspection().prepare(session_, frame_.pictures, now);
-    const UiModel model = controller_.model(frame_, measures_);
-    start_page_.set_recent(model.recent, window_->content_scale() * static_cast<float>(model.settings.text_size));
-    controller_.apply(ui_.build(model));
+    model_ = controller_.model(frame_, measures_);
+    start_page_.set_recent(model_.recent, window_->content_scale() * static_cast<float>(model_.settings.text_size));
+    controller_.apply(ui_.build(model_));
     if (tools_.go_on(session_.view(), teller())) frames_wanted_ = kSettlingFrames;
     ui_.draw();
     window_->present();
@@ -247,7 +251,8 @@ int run_viewer(const ViewerOptions& options, const LoadOptions& load, std::strin
   // Close the window in the regular way after a signal, for example at logout, so that there is nothing to restore.
   const EndWatch signals([] { Window::wake(); });
   const CloseWatch closing;
-  const ScriptStop stop([&] { return EndOnSignals::told() || closing.is_asked_to_stop(); });
+  const WorldStop stop([&] { return EndOnSignals::told() || closing.is_asked_to_stop(); },
+                       [&] { viewer.draw_waiting(); });
   viewer.run();
   return 0;
 }

@@ -286,6 +286,7 @@ bool ViewerController::tell(const Frame& frame) {
   for (const std::string& line : session_.log().take_untold()) {
     complain("%s", line.c_str());
     store_.log(line);
+    any = true;  // the number of log entries, and the card of a world that stopped responding
   }
   for (const Notice& notice : frame.notices) ui_.show_notice(notice.text, notice.is_problem, notice.about);
   for (const std::string& page : frame.web_pages) {

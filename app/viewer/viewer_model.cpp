@@ -41,6 +41,13 @@ std::string ViewerController::progress_of(const std::string& path) {
   return text;
 }
 
+// Returns why the Scripts or the events of a world have ended; empty while they go on.
+static std::string reason_of_stop(WorldRuntime& runtime) {
+  if (runtime.execution().budget().is_halted()) return "Its events have ended: they took long and were stopped.";
+  const ScriptRunner* const runner = runtime.programs().runner();
+  return runner && !runner->stopped().empty() ? "Its Scripts have ended: " + runner->stopped() + "." : std::string();
+}
+
 bool ViewerController::shows_rates() const {
   return std::any_of(readings_.begin(), readings_.end(), [](const RateHistory& one) { return one.rate() > 0; });
 }
@@ -61,8 +68,7 @@ void ViewerController::describe_viewports(UiModel& model, const Frame& frame, st
       viewport.label = file_label(pane.shown);
       viewport.axes = seen->style.axes && !seen->document->world.authored;
       viewport.pose = seen->navigation.pose;
-      if (const auto& runtime = seen->document->runtime)
-        if (const ScriptRunner* const runner = runtime->programs().runner()) viewport.stopped = runner->stopped();
+      if (const auto& runtime = seen->document->runtime) viewport.stopped = reason_of_stop(*runtime);
     }
     if (panes.loading(picture.pane)) {
       viewport.loading = progress_of(pane.wanted);

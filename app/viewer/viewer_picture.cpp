@@ -10,6 +10,7 @@ namespace {
 // Max vectors of streams that are decoded in a frame for all viewports. Takes about 20 ms of one core.
 constexpr std::size_t kMaxDecoded = 250'000;
 constexpr double kMaxUninterrupted = 0.4;  // seconds of drawing after which new events can cancel a picture
+constexpr int kSettlingFramesAfterWait = 3;
 constexpr glm::vec3 kEmptyBackground(0.17f, 0.18f, 0.20f);
 
 }  // namespace
@@ -42,6 +43,31 @@ void Viewer::draw_viewports() {
     else
       draw_nothing(frame_.pictures[i], std::move(draw));
   }
+}
+
+void Viewer::draw_waiting() {
+  constexpr double kLongStep = 0.3, kBetweenFrames = 0.1;  // seconds
+  const double now = Window::now();
+  if (!step_began_ || now - *step_began_ < kLongStep || now - waiting_drawn_ < kBetweenFrames) return;
+  waiting_drawn_ = now;
+  if (!interface_open_) ui_.begin_frame(now, {});
+  ui_.show_notice("Waiting for the Scripts of a world. Press Esc to stop them.", false);
+  for (const Frame::Picture& picture : frame_.pictures) {
+    render::DrawOptions draw;
+    draw.viewport = static_cast<std::uint32_t>(picture.pane);
+    draw.x = picture.place.left;
+    draw.y = window_->framebuffer_size().y - picture.place.top - picture.place.height;
+    draw.width = picture.place.width;
+    draw.height = picture.place.height;
+    (void)renderer_->show_again(draw);
+  }
+  model_.inspection = nullptr;  // its panels read the worlds
+  UiActions actions = ui_.build(model_);
+  if (interface_open_) late_actions_.push_back(std::move(actions));
+  ui_.draw();
+  window_->present();
+  if (interface_open_) ui_.begin_frame(now, {});
+  frames_wanted_ = kSettlingFramesAfterWait;
 }
 
 // Returns true if another thread prepares detail of a visible picture.

@@ -1,9 +1,9 @@
 #pragma once
 
+#include "app/desktop/hand_over.h"
 #include "app/view/panes/picture_ledger.h"
 #include "app/view/picture_detail.h"
 #include "app/viewer/frame_rate.h"
-#include "app/desktop/hand_over.h"
 #include "app/viewer/start_page.h"
 #include "app/viewer/viewer.h"
 #include "app/viewer/viewer_controller.h"
@@ -34,6 +34,9 @@ class Viewer final : public WindowOperations, NonCopyable {
   ~Viewer() override = default;
 
   void run();
+  /// Shows the last pictures of the worlds and a notice while a step waits for Scripts. The worlds may be half changed,
+  /// so nothing else is drawn.
+  void draw_waiting();
 
  private:
   void toggle_full_screen() override { window_->toggle_full_screen(); }
@@ -83,8 +86,13 @@ class Viewer final : public WindowOperations, NonCopyable {
   FrameRate rate_;
   int frames_wanted_;
   bool was_in_motion_ = false, was_loading_ = false;
-  bool interface_first_ = false;  // draw the interface at once, without waiting for a new picture of the worlds
-  double picture_seconds_ = 0;    // seconds; duration of the last picture
+  UiModel model_;                        // interface of the last frame
+  std::optional<double> step_began_;     // time; while a step runs
+  double waiting_drawn_ = 0;             // time of the last draw_waiting()
+  bool interface_open_ = false;          // ui_.begin_frame() was called in this turn of the main loop
+  std::vector<UiActions> late_actions_;  // actions of the user in draw_waiting(), for the end of the step
+  bool interface_first_ = false;         // draw the interface at once, without waiting for a new picture of the worlds
+  double picture_seconds_ = 0;           // seconds; duration of the last picture
 };
 
 }  // namespace gs::app

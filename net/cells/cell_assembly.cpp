@@ -275,6 +275,16 @@ CellAssembly::Progress& CellAssembly::progress(const ChunkName& name, std::uint3
   return made;
 }
 
+bool CellAssembly::has(const ChunkName& name) const {
+  return name.stream >= streams_.size() || name.chunk >= streams_[name.stream].done.size() ||
+         streams_[name.stream].done[name.chunk];
+}
+
+void CellAssembly::forget(const ChunkName& name) {
+  if (name.stream < streams_.size() && name.chunk < streams_[name.stream].done.size())
+    streams_[name.stream].done[name.chunk] = false;
+}
+
 std::vector<ChunkName> CellAssembly::missing(std::uint32_t streams, std::size_t most) const {
   std::vector<ChunkName> names;
   for (std::size_t stream = 0; stream < streams_.size(); ++stream)

@@ -18,14 +18,14 @@ namespace gs::net {
 /// Event that a client of cells reports to its owner.
 struct CellEvent {
   enum class Kind : std::uint8_t {
-    granted,  // `rate`; chunks of the slot will follow
-    refused,  // `text`: the reason
-    base,  // `bytes`: the complete base
+    granted,       // `rate`, `chunks`; chunks of the slot will follow
+    refused,       // `text`: the reason
+    base,          // `bytes`: the complete base
     piece,         // `bytes` of chunk `name` from `offset` on
-    ended,  // the server has sent everything; data that is missing was lost
-    complete,  // no data is missing; follows `ended`
+    ended,         // the server has sent everything; data that is missing was lost
+    complete,      // no data is missing; follows `ended`
     lost_contact,  // no datagrams are received; the client asks the server again
-    failed,  // `text`: the reason; the client has stopped
+    failed,        // `text`: the reason; the client has stopped
   };
   Kind kind = Kind::failed;
   std::uint8_t slot = 0;
@@ -36,6 +36,7 @@ struct CellEvent {
   std::uint64_t rate = 0;       // bits per second
   std::vector<std::byte> head;  // head of the chunk, for a piece of records
   std::vector<std::byte> bytes;
+  std::vector<std::uint32_t> chunks;  // granted: the chunks of each stream
   std::string text;
 };
 
@@ -58,6 +59,10 @@ class CellAssembly {
   [[nodiscard]] bool base_done() const { return base_done_; }
   /// Returns and clears the time stamp of the newest place or symbol.
   [[nodiscard]] std::optional<std::uint32_t> take_stamp() { return std::exchange(stamp_, std::nullopt); }
+  /// Reports whether a chunk was received, or is none of the source.
+  [[nodiscard]] bool has(const ChunkName& name) const;
+  /// Takes a received chunk again.
+  void forget(const ChunkName& name);
   /// Returns at most `most` incomplete chunks of the streams in the bit set `streams`, most important first.
   [[nodiscard]] std::vector<ChunkName> missing(std::uint32_t streams, std::size_t most) const;
   [[nodiscard]] std::uint64_t damaged() const { return reassembler_.damaged(); }

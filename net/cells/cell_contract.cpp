@@ -10,6 +10,8 @@ namespace gs::net {
 namespace {
 
 constexpr std::uint8_t kContractVersion = 1;
+constexpr unsigned kRunShift = 4;  // a wish has the stream in the low bits, and the further chunks above
+static_assert(kMaxStreams == std::size_t{1} << kRunShift && ChunkRun::kMost == std::size_t{1} << (8 - kRunShift));
 constexpr std::size_t kMinReport = 64;  // bytes; longer than a ByeMessage without text
 
 void put_text(NetworkWriter& out, std::string_view text, std::size_t most) {
@@ -78,8 +80,10 @@ void put(NetworkWriter& out, const SlotReport& report) {
   const std::size_t wishes = std::min(report.wishes.size(), kMaxWishes);
   out.integer(static_cast<std::uint8_t>(wishes));
   for (std::size_t i = 0; i < wishes; ++i) {
-    out.integer(report.wishes[i].stream);
-    out.integer(report.wishes[i].chunk);
+    const ChunkRun& run = report.wishes[i];
+    const std::size_t more = std::clamp<std::size_t>(run.count, 1, ChunkRun::kMost) - 1;
+    out.integer(static_cast<std::uint8_t>(run.first.stream | more << kRunShift));
+    out.integer(run.first.chunk);
   }
 }
 void put(NetworkWriter& out, const ReportMessage& message) {
@@ -196,9 +200,11 @@ bool slot_from(NetworkReader& in, SlotReport& report) {
   const auto wishes = in.integer<std::uint8_t>();
   if (wishes > kMaxWishes) return false;
   report.wishes.resize(wishes);
-  for (ChunkName& wish : report.wishes) {
-    wish.stream = in.integer<std::uint8_t>();
-    wish.chunk = in.integer<std::uint32_t>();
+  for (ChunkRun& run : report.wishes) {
+    const auto packed = in.integer<std::uint8_t>();
+    run.first.stream = packed & (kMaxStreams - 1);
+    run.count = static_cast<std::uint8_t>((packed >> kRunShift) + 1);
+    run.first.chunk = in.integer<std::uint32_t>();
   }
   return true;
 }

@@ -24,7 +24,7 @@ constexpr std::uint32_t kCellLabel = 1000;
 constexpr std::uint16_t kContractChannel = 0x7ff8;
 /// Minimum length of the messages that a client sends before the server has verified its address.
 constexpr std::size_t kHelloBytes = 256;
-constexpr std::size_t kMaxPath = 900, kMaxText = 200, kMaxSlots = 8, kMaxRegions = 8, kMaxWishes = 64;
+constexpr std::size_t kMaxPath = 900, kMaxText = 200, kMaxSlots = 8, kMaxRegions = 8, kMaxWishes = 128;
 constexpr std::uint8_t kMinCells = 4;  // minimum that a client may request for `cells`
 
 /// Address and port of UDP. IPv4 is mapped into IPv6 (RFC 4291 2.5.5.2).
@@ -94,12 +94,19 @@ struct ChunkName {
   std::uint32_t chunk = 0;
   friend auto operator<=>(const ChunkName&, const ChunkName&) = default;
 };
+/// Successive chunks of a stream.
+struct ChunkRun {
+  static constexpr std::size_t kMost = 16;  // maximum chunks of a run
+  ChunkName first;
+  std::uint8_t count = 1;  // chunks
+  friend bool operator==(const ChunkRun&, const ChunkRun&) = default;
+};
 struct SlotReport {
   std::uint8_t slot = 0;
   std::uint32_t number = 0;  // number of the granted request
   bool base_done = false;
-  std::vector<Region> regions;    // at most kMaxRegions
-  std::vector<ChunkName> wishes;  // at most kMaxWishes; sent before other chunks, even if sent earlier
+  std::vector<Region> regions;   // at most kMaxRegions
+  std::vector<ChunkRun> wishes;  // at most kMaxWishes; sent before other chunks, even if sent earlier
 };
 /// Report of a client. Keeps the session alive and controls the server's rate.
 struct ReportMessage {

@@ -241,6 +241,10 @@ void CellClientDriver::prefer(std::size_t slot, std::vector<Region> regions, std
   });
 }
 
+void CellClientDriver::forget(std::size_t slot, std::vector<ChunkName> chunks) {
+  command([slot, chunks = std::move(chunks)](CellClient& client, Instant) { client.forget(slot, chunks); });
+}
+
 void CellClientDriver::set_rate(std::uint64_t bits_per_second) {
   command([bits_per_second](CellClient& client, Instant) { client.set_rate(bits_per_second); });
 }

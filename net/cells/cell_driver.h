@@ -38,6 +38,7 @@ class CellConnection : NonCopyable {
   virtual ~CellConnection() = default;
   virtual void want(std::size_t slot, CellWish wish) = 0;
   virtual void prefer(std::size_t slot, std::vector<Region> regions, std::vector<ChunkName> chunks) = 0;
+  virtual void forget(std::size_t slot, std::vector<ChunkName> chunks) = 0;
   virtual void set_rate(std::uint64_t bits_per_second) = 0;
   /// Returns events and removes them. Stops after about `most_bytes` bytes of data.
   [[nodiscard]] virtual std::vector<CellEvent> poll(std::size_t most_bytes) = 0;
@@ -57,6 +58,7 @@ class CellClientDriver final : public CellConnection {
   ~CellClientDriver() override;
   void want(std::size_t slot, CellWish wish) override;
   void prefer(std::size_t slot, std::vector<Region> regions, std::vector<ChunkName> chunks) override;
+  void forget(std::size_t slot, std::vector<ChunkName> chunks) override;
   void set_rate(std::uint64_t bits_per_second) override;
   [[nodiscard]] std::vector<CellEvent> poll(std::size_t most_bytes) override;
   [[nodiscard]] CellClientStatistics statistics() const override;

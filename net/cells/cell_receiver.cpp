@@ -9,7 +9,7 @@ namespace {
 
 constexpr Instant kReportAtLeastEvery{200'000}, kReportAtMostEvery{20'000}, kLongestBackoff{2'000'000};
 constexpr std::size_t kRepairs = 64;  // maximum lost chunks that one report requests again
-constexpr std::size_t kMaxNamed = 128;  // maximum chunk names in a report; fits one datagram
+constexpr std::size_t kMaxNamed = kMaxWishes;  // maximum runs of chunks in a report; fits one datagram
 constexpr std::size_t kMaxEarly = 128;
 constexpr std::uint64_t kFarAhead = 16384;
 
@@ -66,10 +66,35 @@ void CellClient::want(std::size_t number, CellWish wish, Instant now) {
 void CellClient::prefer(std::size_t number, std::vector<Region> regions, std::vector<ChunkName> chunks) {
   if (number >= kMaxSlots) return;
   regions.resize(std::min(regions.size(), kMaxRegions));
-  chunks.resize(std::min(chunks.size(), kMaxWishes));
+  chunks.resize(std::min(chunks.size(), kMostPreferred));
   slots_[number].regions = std::move(regions);
   slots_[number].chunks = std::move(chunks);
   report_now_ = true;
+}
+
+void CellClient::forget(std::size_t number, std::span<const ChunkName> chunks) {
+  if (number >= kMaxSlots || !slots_[number].assembly) return;
+  for (const ChunkName& name : chunks) slots_[number].assembly->forget(name);
+}
+
+// Returns the preferred chunks that were not received, else lost ones to repair, as at most `most` runs.
+std::vector<ChunkRun> CellClient::wishes_of(Slot& slot, std::size_t most) {
+  std::erase_if(slot.chunks, [&](const ChunkName& name) { return slot.assembly->has(name); });
+  const bool repairs = slot.ended && slot.wish.repair && slot.chunks.empty();
+  const std::vector<ChunkName> lost =
+      repairs ? slot.assembly->missing(slot.wish.streams, kRepairs) : std::vector<ChunkName>();
+  std::vector<ChunkRun> runs;
+  for (const ChunkName& name : repairs ? lost : slot.chunks) {
+    ChunkRun* const last = runs.empty() ? nullptr : &runs.back();
+    if (last && last->first.stream == name.stream && last->first.chunk + last->count == name.chunk &&
+        last->count < ChunkRun::kMost) {
+      ++last->count;
+      continue;
+    }
+    if (runs.size() >= most) break;
+    runs.push_back({name, 1});
+  }
+  return runs;
 }
 
 void CellClient::bye(Instant) {
@@ -149,6 +174,7 @@ void CellClient::handle_grant(const GrantMessage& grant, Instant now) {
   event.slot = grant.slot;
   event.version = grant.version;
   event.rate = grant.rate;
+  for (const StreamGrant& stream : grant.streams) event.chunks.push_back(stream.chunks);
   events_.push_back(std::move(event));
   for (const Early& early : std::exchange(early_, {})) handle_datagram(early.bytes, early.at);
 }
@@ -248,8 +274,9 @@ void CellClient::handle_cells(const CellDatagram& datagram, std::span<const std:
 /// Passes the cells of one datagram to all slots. `gap` means that datagrams directly before it are missing.
 void CellClient::assemble(std::span<const Cell> cells, bool gap, Instant now) {
   for (std::size_t i = 0; i < kMaxSlots; ++i) {
+    // While a new request for the same source waits for its grant, data of the former one still arrive.
     CellAssembly* assembly = slots_[i].assembly.get();
-    if (!assembly || slots_[i].state != Slot::State::granted) continue;
+    if (!assembly || slots_[i].state == Slot::State::empty) continue;
     std::vector<CellEvent> made;
     if (gap) assembly->gap(made);
     const bool had_base = assembly->base_done();
@@ -269,7 +296,7 @@ void CellClient::handle_rebuilt(std::span<const CellRebuilder::Rebuilt> rebuilt)
   for (const CellRebuilder::Rebuilt& datagram : rebuilt) {
     ++statistics_.rebuilt;
     for (Slot& slot : slots_) {
-      if (!slot.assembly || slot.state != Slot::State::granted) continue;
+      if (!slot.assembly || slot.state == Slot::State::empty) continue;
       std::vector<CellEvent> made;
       slot.assembly->take(datagram.cells, made);
       append(std::move(made));
@@ -343,10 +370,7 @@ std::vector<std::byte> CellClient::report(Instant now) {
     report.number = slot.number;
     report.base_done = slot.assembly->base_done();
     report.regions = slot.regions;
-    report.wishes = slot.chunks;
-    if (slot.ended && slot.wish.repair && report.wishes.empty())
-      report.wishes = slot.assembly->missing(slot.wish.streams, kRepairs);
-    report.wishes.resize(std::min(report.wishes.size(), kMaxNamed - named));
+    report.wishes = wishes_of(slot, kMaxNamed - named);
     named += report.wishes.size();
     message.slots.push_back(std::move(report));
   }

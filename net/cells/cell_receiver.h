@@ -33,7 +33,7 @@ struct CellClientOptions {
 /// Request of a client for one of its slots.
 struct CellWish {
   std::string path;
-  std::uint32_t streams = 0xffff;  // bit set of the wanted streams
+  std::uint32_t streams = 0xffff;  // bit set of the streams that are sent unasked
   std::uint64_t budget = 0;        // maximum bytes of chunks; 0 means unlimited
   std::uint8_t weight = 1;         // share of the rate, 1 to 255
   std::uint8_t cells = kMaxCells;  // maximum cells of a datagram
@@ -55,13 +55,17 @@ struct CellClientStatistics {
 /// it the server's datagrams and sends the datagrams that it returns. One thread. Safe for untrusted datagrams.
 class CellClient {
  public:
+  static constexpr std::size_t kMostPreferred = std::size_t{1} << 16;
+
   explicit CellClient(CellClientOptions options);
 
   /// Requests a source in slot 0 to 7. Replaces the slot's earlier request. An empty path clears the slot.
   void want(std::size_t slot, CellWish wish, Instant now);
-  /// Sets preferred parts of a source: regions in its box, or chunks by name, even if sent before. The next report
-  /// requests at most kMaxRegions regions and kMaxWishes chunks.
+  /// Sets preferred parts of a source: at most kMaxRegions regions in its box, and at most kMostPreferred chunks by
+  /// name, of any stream. Each report requests the first of these chunks that were not received.
   void prefer(std::size_t slot, std::vector<Region> regions, std::vector<ChunkName> chunks);
+  /// Takes received chunks again, if the server sends them again.
+  void forget(std::size_t slot, std::span<const ChunkName> chunks);
   void set_rate(std::uint64_t bits_per_second) { options_.rate = bits_per_second; }
   /// Queues a goodbye message. `next` returns it.
   void bye(Instant now);
@@ -100,6 +104,7 @@ class CellClient {
   std::optional<std::vector<std::byte>> next_hello(Instant now);
   std::optional<std::vector<std::byte>> next_request(Instant now);
   std::vector<std::byte> report(Instant now);
+  static std::vector<ChunkRun> wishes_of(Slot& slot, std::size_t most);
   [[nodiscard]] Instant report_every() const;
   [[nodiscard]] std::size_t most_tries() const { return known_ ? options_.most_reconnects : options_.most_tries; }
   void tell_complete(std::size_t slot);

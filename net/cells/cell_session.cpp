@@ -8,7 +8,7 @@ namespace {
 
 constexpr Instant kSyncEvery{100'000}, kRegionsAtMostEvery{100'000};
 constexpr std::uint64_t kFirstDatagrams = 10;
-constexpr std::size_t kMaxWished = 1024, kMaxTried = 16384;
+constexpr std::size_t kMaxWished = 8192, kMaxTried = 16384;
 // Minimum free cells to begin another chunk in a datagram with parity. The place PDU of the chunk takes one or two.
 constexpr std::size_t kBegin = 6;
 
@@ -150,27 +150,34 @@ void CellSession::handle_report(Slot& slot, const SlotReport& report, Instant no
     for (StreamState& state : slot.states) std::fill_n(state.cursors.begin(), kMaxRegions, 0U);
   }
   slot.wishes.clear();
-  for (const ChunkName& wish : report.wishes) {
-    if (wish.stream >= slot.states.size() || wish.chunk >= slot.states[wish.stream].sent.size() ||
-        (slot.streams >> wish.stream & 1) == 0)
-      continue;
-    slot.wishes.push_back(wish);
-    slot.ended = false;
+  if (slot.wished.size() >= kMaxWished / 2)
+    std::erase_if(slot.wished, [&](const auto& entry) { return now >= entry.second + wish_again(); });
+  for (const ChunkRun& run : report.wishes) {
+    if (run.first.stream >= slot.states.size()) continue;
+    const std::size_t all = slot.states[run.first.stream].sent.size();
+    for (std::uint32_t i = 0; i < run.count && run.first.chunk < all && i < all - run.first.chunk; ++i)
+      slot.wishes.push_back({run.first.stream, run.first.chunk + i});
   }
+  // If all wishes are in flight, the slot has nothing more to send.
+  if (std::any_of(slot.wishes.begin(), slot.wishes.end(), [&](const ChunkName& wish) {
+        const auto last = slot.wished.find(wish);
+        return last == slot.wished.end() || now >= last->second + wish_again();
+      }))
+    slot.ended = false;
 }
+
+/// Returns the time after which the server sends the same wish again.
+Instant CellSession::wish_again() const { return controller_.round_trip() * 3 / 2 + Instant(250'000); }
 
 /// Returns the next wish of the client. Skips chunks in flight, because the client repeats a wish until it has the
 /// chunk.
 std::optional<ChunkName> CellSession::next_wish(Slot& slot, Instant now) {
-  const Instant trip = controller_.round_trip() * 3 / 2 + Instant(250'000);
   while (!slot.wishes.empty()) {
     const ChunkName wish = slot.wishes.front();
     slot.wishes.pop_front();
     const auto last = slot.wished.find(wish);
-    if (last != slot.wished.end() && now < last->second + trip) continue;
-    if (slot.wished.size() >= kMaxWished)
-      std::erase_if(slot.wished, [&](const auto& entry) { return now >= entry.second + trip; });
-    if (slot.wished.size() >= kMaxWished) continue;
+    if (last != slot.wished.end() && now < last->second + wish_again()) continue;
+    if (last == slot.wished.end() && slot.wished.size() >= kMaxWished) continue;
     slot.wished[wish] = now;
     return wish;
   }

@@ -90,6 +90,7 @@ class CellSession {
   bool start_chunk(Slot& slot, std::size_t number, Instant now);
   std::optional<ChunkName> next_chunk(Slot& slot, Instant now);
   std::optional<ChunkName> next_wish(Slot& slot, Instant now);
+  [[nodiscard]] Instant wish_again() const;
   std::optional<ChunkName> next_in(Slot& slot, std::size_t region);
   void put_base(Slot& slot, std::size_t number, Instant now, std::vector<Cell>& cells);
   void put_data(Slot& slot, std::size_t number, Instant now, std::vector<Cell>& cells);

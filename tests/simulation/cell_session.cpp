@@ -31,6 +31,7 @@ class Connection final : public net::CellConnection {
   void prefer(std::size_t slot, std::vector<net::Region> regions, std::vector<net::ChunkName> chunks) override {
     client.prefer(slot, std::move(regions), std::move(chunks));
   }
+  void forget(std::size_t slot, std::vector<net::ChunkName> chunks) override { client.forget(slot, chunks); }
   void set_rate(std::uint64_t bits_per_second) override { client.set_rate(bits_per_second); }
   std::vector<net::CellEvent> poll(std::size_t) override { return client.take_events(); }
   net::CellClientStatistics statistics() const override { return client.statistics(); }

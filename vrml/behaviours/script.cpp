@@ -43,9 +43,7 @@ void script_own_event(Execution& execution, EventNode node, std::uint32_t interf
   if (!host) return;
   ScriptState& state = state_of_script(execution, node);
   if (state.kept.empty() && !state.begins && !host->waits(node) && host->has_time()) {
-    if (!execution.budget().spend(kCall)) return;
-    state.owes_processed = host->deliver(node, interface, value, execution.now()) || state.owes_processed;
-    if (state.owes_processed) execution.timers().look_again(node);
+    if (execution.budget().spend(kCall)) execution.scripts().deliver(node, interface, value);
     return;
   }
   if (state.kept.size() >= ScriptState::kMaxKept || !execution.budget().spend(ScriptState::kKeptCost)) return;
@@ -57,6 +55,7 @@ void script_time(Execution& execution, EventNode node) {
   ScriptHost* const host = execution.scripts().host();
   if (!host) return;
   ScriptState& state = state_of_script(execution, node);
+  if (state.begins || !state.kept.empty()) execution.scripts().flush();
   if (std::exchange(state.begins, false)) (void)host->begin(node);
   if (host->waits(node)) return;
   if (!state.kept.empty()) run_kept(execution, node, *host);
@@ -64,7 +63,7 @@ void script_time(Execution& execution, EventNode node) {
   if (state.processed_at == execution.now()) return execution.timers().call_at(node, execution.now());
   state.owes_processed = false;
   state.processed_at = execution.now();
-  host->events_processed(node);
+  execution.scripts().call_processed(node);
 }
 
 }  // namespace

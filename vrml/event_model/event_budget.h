@@ -22,6 +22,12 @@ class EventBudget {
   /// reached; the caller must then omit the work.
   [[nodiscard]] bool spend(std::size_t elements);
   [[nodiscard]] bool has_room_for(std::size_t elements) const;
+  /// Ends the events of the world for ever if the user wants its work to end (Budget::stopped()). Long loops without
+  /// spend() call it. Returns is_halted().
+  bool look();
+  void halt() { halted_ = true; }
+  /// Reports whether the events of the world have ended. spend() then always returns false.
+  [[nodiscard]] bool is_halted() const { return halted_; }
   /// Begins a timestamp: the counted work becomes 0.
   void begin_timestamp() { work_ = 0; }
   /// Returns a message about what was omitted because of the limits; empty if nothing was omitted.
@@ -31,7 +37,8 @@ class EventBudget {
   const SceneGraph& root_;
   Share share_;
   std::size_t afforded_ = 0;
-  std::size_t work_ = 0;
+  std::size_t work_ = 0, unlooked_ = 0;  // elements; in this timestamp, and since the last look()
+  bool halted_ = false;
   std::string problem_;
 };
 

@@ -26,6 +26,11 @@ struct EventSchema {
   /// declaration.
   [[nodiscard]] std::uint32_t find(const InterfaceDeclaration& declaration) const;
 
+  /// Reports whether an event for an interface only calls a program: the interface is an eventIn of a Script.
+  [[nodiscard]] bool calls_only(std::uint32_t place) const {
+    return type->kind == NodeType::Kind::script && interfaces[place].slot < 0 && interfaces[place].event < 0;
+  }
+
   const NodeType* type = nullptr;
   const Behaviour* behaviour = nullptr;
   std::size_t users = 0;              // number of nodes; at 0, a type of the world loses its schema

@@ -48,6 +48,9 @@ class EventCascade {
   /// of the observer: each key has one observer, and an empty observer unregisters the previous one. Observers must not
   /// modify the Execution or register observers.
   void observe(Observer observer, const void* who = nullptr);
+  [[nodiscard]] bool is_observed() const { return !observers_.empty(); }
+  /// Returns the sender of the event that is being delivered; 0 if there is none.
+  [[nodiscard]] EventNode source() const { return source_; }
 
   /// Delivers an event from outside the world, and all resulting events; see Execution::send.
   bool send(const SceneGraph& scene, NodeId node, const InterfaceDeclaration& event_in, const FieldValue& value);
@@ -94,6 +97,7 @@ class EventCascade {
   std::uint64_t stamp_ = 1;
   std::vector<Sent> queue_;
   std::size_t queue_next_ = 0;
+  EventNode source_ = 0;
   std::deque<FieldValue> posted_;
   std::vector<std::uint32_t> path_;  // stack of walk()
 };

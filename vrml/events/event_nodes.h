@@ -20,7 +20,7 @@ struct EventMember {
   NodeId id;
   EventSchema* schema = nullptr;
   std::uint32_t state = 0;  // see EventNodes::state_of
-  std::size_t most = 0;  // largest size so far, in bytes; see EventNodes::afford_most
+  std::size_t most = 0;     // largest size so far, in bytes; see EventNodes::afford_most
   // Data of EventNodes: slots and eventOut values.
   std::uint32_t first_slot = 0;  // one slot per interface; then, for PROTO instances, the slots of `down` connections
   std::uint32_t first_out = 0;
@@ -40,12 +40,14 @@ struct EventMember {
   std::uint32_t change = 0;  // 1 + index of its change; 0 means none
   // Data of NodeLifetime.
   bool refers = false;  // listed because its node fields or eventOuts have changed
+  // Data of ScriptQueue.
+  bool waits = false;  // a call of its program waits
 };
 
 /// Sender of events: an interface of a node.
 struct EventSlot {
   std::uint32_t first = 0, last = 0;  // first and last connection; 0 means none
-  std::uint64_t sent = 0;  // serial number of the timestamp of its last event
+  std::uint64_t sent = 0;             // serial number of the timestamp of its last event
 };
 
 /// Nodes of a world that take part in events: nodes with a behaviour, a ROUTE or an IS. Owns their records, slots and

@@ -32,6 +32,7 @@ void Execution::start(double now) {
 }
 
 void Execution::step(double now) {
+  if (budget_.is_halted()) return;
   cascade_.begin(now);
   browser_.send_changes();
   if (ScriptHost* const host = scripts_.host()) host->prepare_events();
@@ -41,6 +42,7 @@ void Execution::step(double now) {
 }
 
 std::optional<double> Execution::next_time() const {
+  if (budget_.is_halted()) return std::nullopt;
   if (scripts_.host() && scripts_.host()->prepares_events()) return now();
   if (timers_.has_running() || pointing_.waits() || lifetime_.waits() || scripts_.waits() || browser_.waits())
     return now();

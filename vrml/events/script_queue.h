@@ -29,16 +29,31 @@ class ScriptQueue {
   void begin_world();
   /// Starts new Scripts.
   void begin_new();
+  /// Delivers an event to a Script with a running program. The call of the program may wait for flush().
+  void deliver(EventNode node, std::uint32_t interface, const FieldValue& value);
+  /// Calls eventsProcessed() of a Script. The call may wait for flush().
+  void call_processed(EventNode node);
+  /// Makes all calls that wait, in order. Must precede everything that these programs could notice or change.
+  void flush() {
+    if (!waiting_.empty()) make_waiting();
+  }
   /// Ends Scripts before they are removed. Takes the list by value, because shutdown() may add nodes.
   void end(std::vector<EventNode> nodes);
   /// Discards removed Scripts.
   void forget_removed();
 
  private:
+  [[nodiscard]] bool may_wait(EventNode node) const;
+  void wait(ScriptCall call);
+  void make_waiting();
+  void keep(const ScriptCall& call);
+  void owe_processed(EventNode node);
+
   Execution& execution_;
   ScriptHost* host_ = nullptr;
   bool has_scripts_ = false, started_ = false, starting_ = false;
   std::vector<EventNode> new_;
+  std::vector<ScriptCall> waiting_, making_;  // calls for flush(), and those of a running flush()
 };
 
 }  // namespace gs::vrml

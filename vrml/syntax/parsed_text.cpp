@@ -115,6 +115,13 @@ bool ParsedText::open(Frame frame) {
   return true;
 }
 
+bool ParsedText::is_stopped() {
+  constexpr std::uint32_t kBetweenLooks = 4096;
+  if (!stopped && ++steps % kBetweenLooks == 0) stopped = scene.budget()->stopped();
+  if (stopped) end_reported = true;
+  return stopped;
+}
+
 bool ParsedText::out_of_budget() {
   if (!scene.memory().exhausted()) return false;
   end_reported = true;

@@ -67,6 +67,8 @@ struct ParsedText {
   void unexpected(const Token& found, const std::string& what);
   /// Reports an unusable token, but only the first of several in a row. Skips an unexpected list or node body.
   void rubbish_token(const Token& token, const std::string& what);
+  /// Reports whether reading was cancelled (Budget::stopped()); the rest of the text is then omitted.
+  [[nodiscard]] bool is_stopped();
   /// Reports once that the budget for nodes is exhausted. Returns true if it is; the rest of the text is then omitted.
   bool out_of_budget();
   void report_end_inside(const Frame& frame);
@@ -95,6 +97,8 @@ struct ParsedText {
   bool table_text = false;  // the text is a part of the node table: no header, no scene
   bool rubbish = false;     // the last token was unusable and was reported
   bool end_reported = false;
+  bool stopped = false;             // reading was cancelled
+  std::uint32_t steps = 0;          // number of calls of is_stopped()
   std::uint32_t said_reserved = 0;  // one bit per reserved_word() index that was reported
   bool said_bad_id = false;
   ParseOutcome outcome = ParseOutcome::complete;

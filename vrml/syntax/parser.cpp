@@ -36,7 +36,7 @@ struct Parser::State {
 
 void Parser::State::run(const char* begin, const char* end, bool last) {
   text.lexer.set_window(begin, end, last);
-  while (text.outcome != ParseOutcome::refused && !text.out_of_budget()) {
+  while (text.outcome != ParseOutcome::refused && !text.out_of_budget() && !text.is_stopped()) {
     const Lexer::Position start = text.lexer.position();
     const Step result = text.header_read ? statements.step() : text.read_header();
     if (result == Step::done) continue;

@@ -6,10 +6,12 @@
 #include "app/encode/surface_triangles.h"
 #include "app/formats/confined/confined_import.h"
 #include "app/formats/content_types.h"
+#include "app/formats/datasets/zarr/zarr_place.h"
 #include "app/formats/foreign_types.h"
 #include "app/formats/gltf/gltf_losses.h"
 #include "app/formats/qnv/geometry_reader.h"
 #include "app/formats/volume/confined/confined_volume.h"
+#include "app/formats/volume/volume_common.h"
 #include "app/loading/updates/limit_report.h"
 #include "app/loading/world_loader.h"
 #include "base/text.h"
@@ -149,6 +151,7 @@ const ContentType& type_of_input(const InputOptions& options, const std::string&
   const ReadFile read_file = reader_beside(path, load_options(options).allowed);
   ImportSource source{bytes, path, read_file, budget, ignored};
   source.component = options.component;
+  source.local = true;
   return type_of_content(type, source);
 }
 
@@ -165,9 +168,15 @@ std::size_t most_encoded_triangles(const Limits& limits) {
   return limits.memory / 32 * kHeldShare / qnv::kDisplacedTriangleBytes;
 }
 
-std::optional<OpenedInput> open_input(const InputOptions& options, const std::string& path, MeshForm form) {
+std::string local_input(const std::string& path) {
   const net::Url url = net::parse_url(path);
   std::string local = url.scheme == "file" ? net::path_of_url(url) : path;
+  std::string entry = zarr_entry_of_folder(local);
+  return entry.empty() ? local : entry;
+}
+
+std::optional<OpenedInput> open_input(const InputOptions& options, const std::string& path, MeshForm form) {
+  std::string local = local_input(path);
   const std::string entry = entry_of_folder(local);
   while (!entry.empty() && local.size() > 1 && local.ends_with('/')) local.pop_back();
   auto mapped = net::map_file(entry.empty() ? local : entry);
@@ -180,7 +189,7 @@ std::optional<OpenedInput> open_input(const InputOptions& options, const std::st
   const auto all = file->bytes();
   const ContentType& type = type_of_input(options, entry.empty() ? local : entry, all);
   std::optional<Opened> opened;
-  OpenedInput input{{}, std::string(type.name), file_name(local), all.size(), {}, {}, nullptr};
+  OpenedInput input{{}, std::string(type.name), zarr_title_of(local), all.size(), {}, {}, nullptr};
   if (input.type == "glTF") input.losses = gltf_losses(all);
   if (auto mesh = large_mesh(options, type, file)) {
     opened = std::move(*mesh);
@@ -215,8 +224,7 @@ std::optional<OpenedInput> open_input(const InputOptions& options, const std::st
 }
 
 std::optional<OpenedInput> open_values_stream(const std::string& path) {
-  const net::Url url = net::parse_url(path);
-  const std::string local = url.scheme == "file" ? net::path_of_url(url) : path;
+  const std::string local = local_input(path);
   auto opened = net::open_file(local);
   if (std::holds_alternative<net::FileError>(opened)) return std::nullopt;
   const auto file = std::make_shared<const net::RandomAccessFile>(std::move(std::get<net::RandomAccessFile>(opened)));

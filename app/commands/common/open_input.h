@@ -48,6 +48,9 @@ struct OpenedInput {
 /// to that number.
 [[nodiscard]] std::size_t most_encoded_triangles(const Limits& limits);
 
+/// Returns the path of a local file: of a file: URL, or of the metadata of a container if the path is its folder.
+[[nodiscard]] std::string local_input(const std::string& path);
+
 /// Opens a file of any type. If the options give dimensions, the file is a volume without header. Prints errors.
 /// Returns nullopt if there is nothing to encode.
 [[nodiscard]] std::optional<OpenedInput> open_input(const InputOptions& options, const std::string& path,

@@ -8,7 +8,6 @@
 #include "app/saving/save_formats.h"
 #include "app/saving/scene_text.h"
 #include "base/gzip.h"
-#include "net/base/url.h"
 #include "net/files/file.h"
 
 #include <chrono>
@@ -22,8 +21,7 @@ namespace {
 
 // Returns the type of a local file; null if it cannot be read.
 const ContentType* type_of_file(const std::string& path) {
-  const net::Url url = net::parse_url(path);
-  const std::string local = url.scheme == "file" ? net::path_of_url(url) : path;
+  const std::string local = local_input(path);
   const auto opened = net::map_file(local);
   const auto* const file = std::get_if<net::MappedFile>(&opened);
   return file ? &content_type_of(local, first_bytes(file->bytes())) : nullptr;

@@ -30,6 +30,9 @@ struct SimulationOptions;
 [[nodiscard]] bool plan_input(const SimulationOptions& options, Simulation& simulation);
 /// Sets the time zone to UTC, so that programs of worlds depend only on the simulated time. Call first of all.
 void use_universal_time();
+/// Prints each error and warning of the programs of a simulation at once, as a diagnostic, and adds it to `told`.
+/// `told` must outlive the simulation.
+void tell_of_programs(Simulation& simulation, Diagnostics& told);
 /// Prints the messages of a simulation. Call after the simulation of the world `path` has run.
 void tell_of_simulation(const SimulationOptions& options, const std::string& path, Simulation& simulation);
 

@@ -6,12 +6,14 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <functional>
+#include <map>
 #include <utility>
 
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kNameOffset = 30, kMostName = 256;
+constexpr std::size_t kNameOffset = 30, kMostName = 256, kMostPath = 4096;
 constexpr std::uint64_t kMostFiles = 65536;  // that are looked at for a name
 
 /// Position in the bytes of an archive, for minizip.
@@ -50,6 +52,30 @@ std::string_view without_folder(std::string_view name) {
   return slash == std::string_view::npos ? name : name.substr(slash + 1);
 }
 
+/// Unpacks the current file of an archive.
+std::variant<std::vector<std::byte>, std::string> unpacked_current(unzFile file, const std::string& name,
+                                                                   const WorldBudget& budget) {
+  if (unzOpenCurrentFile(file) != UNZ_OK) return name + " in the archive is damaged or encrypted";
+  std::vector<std::byte> bytes;
+  Share share(budget, Resource::files);
+  constexpr std::size_t kPiece = std::size_t{256} << 10;
+  int read = 0;
+  while (true) {
+    const std::size_t before = bytes.size();
+    if (!share.grow(2 * kPiece)) {
+      (void)unzCloseCurrentFile(file);
+      return name + " in the archive needs " + budget->refusal(Resource::files);
+    }
+    bytes.resize(before + kPiece);
+    read = unzReadCurrentFile(file, bytes.data() + before, static_cast<unsigned>(kPiece));
+    bytes.resize(before + static_cast<std::size_t>(std::max(read, 0)));
+    if (read <= 0) break;
+  }
+  const bool whole = unzCloseCurrentFile(file) == UNZ_OK && read == 0;
+  if (!whole) return name + " in the archive is damaged";
+  return bytes;
+}
+
 }  // namespace
 
 bool is_zip(std::span<const std::byte> bytes) {
@@ -68,6 +94,20 @@ std::string_view first_name_in_zip(std::span<const std::byte> bytes) {
 struct ZipArchive::Opened {
   ZipCursor cursor;
   unzFile file = nullptr;
+  std::map<std::string, unz64_file_pos, std::less<>> places;  // of all files, by path; empty until it is needed
+
+  /// Fills `places`.
+  void find_all() {
+    if (!places.empty()) return;
+    for (int status = unzGoToFirstFile(file); status == UNZ_OK && places.size() < kMostFiles;
+         status = unzGoToNextFile(file)) {
+      unz_file_info64 info{};
+      std::array<char, kMostPath + 1> found{};
+      unz64_file_pos place{};
+      if (unzGetCurrentFileInfo64(file, &info, found.data(), kMostPath, nullptr, 0, nullptr, 0) != UNZ_OK) break;
+      if (unzGetFilePos64(file, &place) == UNZ_OK) places.emplace(found.data(), place);
+    }
+  }
 
   Opened() = default;
   Opened(const Opened&) = delete;
@@ -97,27 +137,26 @@ std::variant<std::vector<std::byte>, std::string> ZipArchive::read(const std::st
     std::array<char, kMostName + 1> found{};
     if (unzGetCurrentFileInfo64(file, &info, found.data(), kMostName, nullptr, 0, nullptr, 0) != UNZ_OK) break;
     if (without_folder(found.data()) != name) continue;
-    if (unzOpenCurrentFile(file) != UNZ_OK) return name + " in the archive is damaged or encrypted";
-    std::vector<std::byte> bytes;
-    Share share(budget, Resource::files);
-    constexpr std::size_t kPiece = std::size_t{256} << 10;
-    int read = 0;
-    while (true) {
-      const std::size_t before = bytes.size();
-      if (!share.grow(2 * kPiece)) {
-        (void)unzCloseCurrentFile(file);
-        return name + " in the archive needs " + budget->refusal(Resource::files);
-      }
-      bytes.resize(before + kPiece);
-      read = unzReadCurrentFile(file, bytes.data() + before, static_cast<unsigned>(kPiece));
-      bytes.resize(before + static_cast<std::size_t>(std::max(read, 0)));
-      if (read <= 0) break;
-    }
-    const bool whole = unzCloseCurrentFile(file) == UNZ_OK && read == 0;
-    if (!whole) return name + " in the archive is damaged";
-    return bytes;
+    return unpacked_current(file, name, budget);
   }
   return name + " is missing in the archive";
+}
+
+std::vector<std::string> ZipArchive::paths() const {
+  opened_->find_all();
+  std::vector<std::string> paths;
+  for (const auto& [path, place] : opened_->places) paths.push_back(path);
+  return paths;
+}
+
+std::optional<std::variant<std::vector<std::byte>, std::string>> ZipArchive::read_path(
+    const std::string& path, const WorldBudget& budget) const {
+  opened_->find_all();
+  const auto found = opened_->places.find(path);
+  if (found == opened_->places.end()) return std::nullopt;
+  unz64_file_pos place = found->second;
+  if (unzGoToFilePos64(opened_->file, &place) != UNZ_OK) return path + " in the archive is damaged";
+  return unpacked_current(opened_->file, path, budget);
 }
 
 }  // namespace gs::app

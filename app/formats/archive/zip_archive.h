@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -28,6 +29,11 @@ class ZipArchive {
   /// message if the file is missing, damaged or too large.
   [[nodiscard]] std::variant<std::vector<std::byte>, std::string> read(const std::string& name,
                                                                        const WorldBudget& budget) const;
+  /// Returns the paths of the files in the archive, at most 65,536.
+  [[nodiscard]] std::vector<std::string> paths() const;
+  /// Unpacks the file with this path, as read() does. Returns nullopt if the archive does not have it.
+  [[nodiscard]] std::optional<std::variant<std::vector<std::byte>, std::string>> read_path(
+      const std::string& path, const WorldBudget& budget) const;
 
  private:
   struct Opened;

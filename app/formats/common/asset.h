@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/base/read_file.h"
+#include "app/base/read_files.h"
 #include "app/formats/common/mesh_asset.h"
 #include "app/formats/common/voxel_component.h"
 #include "base/budget.h"
@@ -33,6 +34,8 @@ struct ImportSource {
   VoxelComponent component{};
   bool for_x3d = false;  // the scene becomes part of an X3D world
   bool local = false;    // a file of this machine
+  ReadFiles read_files = {};     // reads files of a container; may be null
+  ListFolder list_folder = {};  // lists folders of a container; may be null
 };
 
 /// Nodes of a file that has its own, such as transformations (glTF). Never null.

@@ -86,6 +86,8 @@ class TransferReader {
       if ((static_cast<unsigned char>(c) < 32 && c != '\n' && c != '\t') || c == 127) c = '?';
     return text;
   }
+  /// Reads a list of bytes, which belong to the source of this reader.
+  std::span<const std::byte> bytes() { return take_list(1); }
   /// Reads a number of things of at least `bytes` bytes each.
   std::size_t count(std::size_t bytes) {
     const auto count = value<std::uint64_t>();

@@ -19,7 +19,9 @@ VolumeFile volume_file(const ImportSource& source) {
                   SharedBytes{nullptr, source.bytes},
                   source.read_file,
                   source.budget,
-                  source.component};
+                  source.component,
+                  source.read_files ? source.read_files : files_beside(source.path, {}),
+                  source.read_files ? source.list_folder : lister_beside(source.path)};
   if (!file.component.folder.empty()) file.read_beside = folder_reader(file.component.folder);
   return file;
 }
@@ -62,7 +64,7 @@ VolumeResult open_datasets(const VolumeFile& file) {
   if (auto* const problem = std::get_if<std::string>(&opened)) return std::move(*problem);
   auto& chosen = std::get<ChosenDataset>(opened);
   const DatasetEntry& entry = chosen.file->entries()[chosen.entry];
-  if (entry.form_for(file.component) == DatasetForm::mesh) return entry.path + " is a mesh; expected a volume";
+  if (entry.form_for(file.component) == DatasetForm::mesh) return entry.path + std::string(kIsMesh);
   VolumeResult result = chosen.file->volume(chosen.entry, file.component);
   const std::size_t shown = shown_datasets(chosen.file->entries());
   if (auto* const volume = std::get_if<qnv::VolumeSource>(&result); volume && shown > 1)
@@ -112,7 +114,7 @@ bool needs_dataset_module(std::string_view path, std::span<const std::byte> byte
   }
   if (is_tiff(bytes) || is_dicom(bytes)) return true;
   const auto format = dataset_format_of(path, bytes);
-  return format == DatasetFormat::hdf5 || format == DatasetFormat::xdmf;
+  return format == DatasetFormat::hdf5 || format == DatasetFormat::xdmf || format == DatasetFormat::zarr;
 }
 
 void prepare_datasets(const std::string& path) {

@@ -4,6 +4,7 @@
 #include "app/formats/common/color_key.h"
 #include "app/formats/confined/confined_import.h"
 #include "app/formats/splats/splats.h"
+#include "app/formats/volume/held_values.h"
 #include "app/formats/volume/volume.h"
 #include "base/gzip.h"
 #include "net/files/file.h"
@@ -44,7 +45,6 @@ class GeometryFileReader {
   std::optional<qnv::Geometry> bricks(const std::shared_ptr<const qnv::ChunkSource>& source);
   std::optional<qnv::Geometry> stream();
   std::optional<qnv::Geometry> splats(const ContentType& type);
-  std::optional<qnv::Geometry> volume(const ContentType& type);
 
  private:
   void report(Severity severity, std::string message) {
@@ -174,30 +174,6 @@ std::optional<qnv::Geometry> GeometryFileReader::splats(const ContentType& type)
   return geometry;
 }
 
-std::optional<qnv::Geometry> GeometryFileReader::volume(const ContentType& type) {
-  if (file_.cut) {
-    report(Severity::error, "a volume cannot be read in part");
-    return std::nullopt;
-  }
-  const Asset asset = type.read({file_.bytes, file_.path, file_.origin.read_beside, budget_, diagnostics_,
-                                 file_.origin.name, file_.origin.component});
-  const auto* const source = std::get_if<qnv::VolumeSource>(&asset);
-  if (!source) return std::nullopt;
-  qnv::GradientOptions options;
-  options.vectors = std::min(kMaxGradients, most_gradients(*budget_));
-  Share share(budget_, Resource::vectors);
-  if (!share.grow(options.vectors * kGradientBytes)) options.vectors = 0;  // another thread used the memory
-  Deadline deadline(limit_);
-  auto found = qnv::gradient_vectors(*source, options, &deadline.progress);
-  if (const auto* problem = std::get_if<qnv::VolumeError>(&found)) {
-    report(Severity::error, deadline.progress.cancelled
-                                ? "the time limit for loading was reached before the volume was read"
-                                : problem->message);
-    return std::nullopt;
-  }
-  return std::move(std::get<qnv::Volume>(found));
-}
-
 /// Returns the bytes of a geometry as stored and drawn.
 std::uint64_t bytes_of(const qnv::Geometry& geometry) {
   const auto* patches = geometry.as<qnv::SurfacePatches>();
@@ -325,7 +301,51 @@ std::optional<qnv::Geometry> read_geometry(const ContentType& type, const Geomet
   }
   if (type.content == ContentClass::stream) return reader.stream();
   if (type.content == ContentClass::splats) return reader.splats(type);
-  return reader.volume(type);
+  const auto source = open_volume_source(type, file, diagnostics, budget);
+  return source ? read_gradients(*source, file.path, false, diagnostics, limit, budget) : std::nullopt;
+}
+
+std::optional<qnv::VolumeSource> open_volume_source(const ContentType& type, const GeometryFile& file,
+                                                    Diagnostics& diagnostics, const WorldBudget& budget) {
+  if (file.cut) {
+    diagnostics.add({Severity::error, file.path, {}, "a volume cannot be read in part"});
+    return std::nullopt;
+  }
+  ImportSource from{file.bytes, file.path, file.origin.read_beside, budget, diagnostics, file.origin.name,
+                    file.origin.component};
+  from.local = file.local;
+  from.read_files = file.origin.read_files;
+  from.list_folder = file.origin.list_folder;
+  Asset asset = type.read(from);
+  auto* const source = std::get_if<qnv::VolumeSource>(&asset);
+  return source ? std::optional(std::move(*source)) : std::nullopt;
+}
+
+std::optional<qnv::Geometry> read_gradients(const qnv::VolumeSource& source, const std::string& path, bool keep_values,
+                                            Diagnostics& diagnostics, const LoadLimit& limit,
+                                            const WorldBudget& budget) {
+  const auto report = [&](Severity severity, std::string message) {
+    diagnostics.add({severity, path, {}, std::move(message)});
+  };
+  Deadline deadline(limit);
+  std::shared_ptr<const qnv::VolumeValues> values;
+  if (keep_values) values = hold_values(source, budget, deadline.progress);
+  qnv::GradientOptions options;
+  options.vectors = std::min(kMaxGradients, most_gradients(*budget));
+  Share share(budget, Resource::vectors);
+  if (!share.grow(options.vectors * kGradientBytes)) options.vectors = 0;  // another thread used the memory
+  auto found = qnv::gradient_vectors(values ? values->source : source, options, &deadline.progress);
+  if (source.trouble)
+    if (std::string trouble = source.trouble(); !trouble.empty()) report(Severity::warning, std::move(trouble));
+  if (const auto* problem = std::get_if<qnv::VolumeError>(&found)) {
+    report(Severity::error, deadline.progress.cancelled
+                                ? "the time limit for loading was reached before the volume was read"
+                                : problem->message);
+    return std::nullopt;
+  }
+  auto& volume = std::get<qnv::Volume>(found);
+  volume.values = std::move(values);
+  return std::move(volume);
 }
 
 vrml::NodeId add_geometry_shape(vrml::SceneGraph& scene, const qnv::Geometry& geometry, const std::string& url) {

@@ -46,6 +46,17 @@ struct GeometryFile {
                                                          Diagnostics& diagnostics, const LoadLimit& limit,
                                                          const WorldBudget& budget = own_budget());
 
+/// Opens a volume for read_gradients(). Reports problems to `diagnostics`.
+[[nodiscard]] std::optional<qnv::VolumeSource> open_volume_source(const ContentType& type, const GeometryFile& file,
+                                                                  Diagnostics& diagnostics,
+                                                                  const WorldBudget& budget = own_budget());
+/// Reads the strongest gradients of a volume as vectors. Reports problems as those of `path`. If `keep_values`, the
+/// result has the values, too, in memory: the source cannot be read later, because a server has it.
+[[nodiscard]] std::optional<qnv::Geometry> read_gradients(const qnv::VolumeSource& source, const std::string& path,
+                                                          bool keep_values, Diagnostics& diagnostics,
+                                                          const LoadLimit& limit,
+                                                          const WorldBudget& budget = own_budget());
+
 /// Reports whether the budget has room for a copy of `geometry`.
 [[nodiscard]] bool has_room_for(const qnv::Geometry& geometry, const Budget& budget);
 /// Charges `budget` for a geometry and the renderer's copy of it. The result owns the geometry and its share. Returns

@@ -34,8 +34,9 @@ constexpr VolumeFormat kVolumeFormats[] = {
     {{"SLC", ".slc ", nullptr, "application/x-slc"}, is_slc, open_slc},
     {{"TIFF", ".tif .tiff .btf ", nullptr, "image/tiff", UpRule::slices}, is_tiff, open_datasets},
     {{"HDF5", ".h5 .hdf5 .hdf .he5 .vtkhdf .nc4 ", nullptr, "application/x-hdf5"}, is_hdf5, open_datasets},
-    {{"NetCDF", ".nc .cdf .nc3 ", nullptr, "application/x-netcdf"}, is_classic_netcdf, open_datasets},
+    {{"NetCDF", ".nc .cdf .nc3 .exo .ex2 .exii .e ", nullptr, "application/x-netcdf"}, is_classic_netcdf, open_datasets},
     {{"XDMF", ".xdmf .xmf ", nullptr, "model/x-xdmf"}, is_xdmf, open_datasets},
+    {{"Zarr", ".zarr ", nullptr, "application/x-zarr", UpRule::slices}, is_zarr, open_datasets},
     {{"raw voxels", ".raw .vol ", nullptr, "application/x-volume", UpRule::slices}, nullptr, open_without_header},
 };
 
@@ -166,6 +167,8 @@ std::variant<SharedBytes, std::string> map_volume(const std::string& path) {
 
 std::variant<qnv::VolumeSource, std::string> open_volume(const std::string& path, const RawVolume& raw,
                                                          const VolumeOrigin& origin, const WorldBudget& budget) {
+  if (const std::string entry = zarr_entry_of_folder(path); !entry.empty())
+    return open_volume(entry, raw, origin, budget);
   const auto mapped = map_volume(path);
   if (const auto* problem = std::get_if<std::string>(&mapped)) return *problem;
   VolumeOrigin own = origin;
@@ -183,7 +186,9 @@ std::variant<qnv::VolumeSource, std::string> open_volume_file(const std::string&
                         std::get<SharedBytes>(std::move(unpacked)),
                         origin.read_beside ? origin.read_beside : reader_beside(path, {}),
                         budget,
-                        origin.component};
+                        origin.component,
+                        origin.read_files ? origin.read_files : files_beside(path, {}),
+                        origin.read_files ? origin.list_folder : lister_beside(path)};
   if (file.content.bytes.empty()) return path + ": the file is empty; expected a volume";
   VolumeResult result = open_as(format_of(path, file.content.bytes), file, raw);
   if (const auto changed = file.content.file ? file.content.file->changed() : std::nullopt)

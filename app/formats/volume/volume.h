@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/base/read_file.h"
+#include "app/base/read_files.h"
 #include "app/formats/common/upright.h"
 #include "app/formats/common/voxel_component.h"
 #include "app/formats/volume/raw_volume.h"
@@ -23,6 +24,8 @@ struct VolumeOrigin {
   ReadFile read_beside;  // reads files that the header names; null reads below the file's folder
   std::string name;      // original file name; empty means the name in the path
   VoxelComponent component{};
+  ReadFiles read_files = {};    // reads files of a container; null reads below the file's folder
+  ListFolder list_folder = {};  // lists folders of a container; null with `read_files` means that none can be listed
 };
 
 /// Returns the file that stands for a local folder of a scan (DICOM): the first one that is a volume. Returns an empty
@@ -51,6 +54,9 @@ void use_folder(const std::string& path, VolumeOrigin& origin);
 [[nodiscard]] std::variant<SharedBytes, std::string> map_volume(const std::string& path);
 /// Returns a message if the slices of a layout exceed a budget.
 [[nodiscard]] std::optional<std::string> too_large_slices(const qnv::VolumeLayout& layout, const Budget& budget);
+
+/// End of the message for a file that holds a mesh instead of a volume.
+inline constexpr std::string_view kIsMesh = " is a mesh; expected a volume";
 
 /// Returns true if open_volume accepts a file with these first bytes (about 1024, gzip-compressed or not).
 [[nodiscard]] bool is_volume(std::string_view path, std::span<const std::byte> bytes);

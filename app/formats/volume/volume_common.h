@@ -52,6 +52,8 @@ struct VolumeFile {
   ReadFile read_beside;
   WorldBudget budget = own_budget();
   VoxelComponent component{};
+  ReadFiles read_files = {};    // reads files of a container
+  ListFolder list_folder = {};  // lists folders of a container; may be null
 };
 /// Loads a file that a header names, with `read_beside` (see ReadFile). Decompresses it if it is gzip-compressed.
 [[nodiscard]] BytesResult load_beside(const VolumeFile& file, std::string_view name);
@@ -136,6 +138,11 @@ struct VolumeFormat {
 [[nodiscard]] bool is_hdf5(std::span<const std::byte> bytes);
 [[nodiscard]] bool is_classic_netcdf(std::span<const std::byte> bytes);
 [[nodiscard]] bool is_xdmf(std::span<const std::byte> bytes);
+/// Returns true if the bytes begin like a metadata file of Zarr or N5, or like a ZIP archive of Zarr.
+[[nodiscard]] bool is_zarr(std::span<const std::byte> bytes);
+/// Returns the path of a metadata file of Zarr or N5 in a folder of this machine, through which its container is opened.
+/// Returns an empty path if the folder is no container.
+[[nodiscard]] std::string zarr_entry_of_folder(const std::string& path);
 [[nodiscard]] VolumeResult open_datasets(const VolumeFile& file);
 /// Returns true for files that need the module for scientific formats.
 [[nodiscard]] bool needs_dataset_module(std::string_view path, std::span<const std::byte> bytes);

@@ -43,7 +43,7 @@ struct UiViewport {
   std::uint64_t rate = 0;      // bandwidth limit in bits/s; 0 means unlimited
   double arriving = 0;         // measured receive rate in bits/s
   std::string failed, reason;  // name of the file that failed to open, and the error; empty if none failed
-  std::string stopped;         // why the programs of the displayed world have ended; empty while they can run
+  std::string stopped;         // why Scripts or events of the displayed world have ended; empty while they go on
   bool axes = false;           // the axes widget is visible
   Pose pose;                   // pose of the viewer
 };

@@ -1,6 +1,8 @@
 #include "app/loading/content/geometry_handler.h"
 
+#include "app/base/local_file.h"
 #include "app/base/temporary_file.h"
+#include "app/formats/volume/coarser_volume.h"
 #include "net/limits/clock.h"
 #include "qnv/codecs/octree/lod/lod_source.h"
 #include "qnv/codecs/payloads.h"
@@ -57,12 +59,48 @@ void GeometryHandler::read_whole(std::span<const std::byte> bytes, const std::st
     file.loss = loading_.options.loss;
     file.loss_seed = loading_.options.loss_seed;
   }
+  file.origin.read_files = loading_.fetcher.files_of(found_.origin);
+  if (found_.local) file.origin.list_folder = lister_beside(path);
+  if (type.content == ContentClass::volume) return read_volume(type, file);
   auto geometry = read_geometry(type, file, loading_.results.diagnostics(), loading_.limit, loading_.budget);
   if (!geometry) return;
   if (auto held = hold_geometry(std::move(*geometry), loading_.budget))
     show_(std::move(held));
   else
     give_up(Resource::vectors);
+}
+
+void GeometryHandler::read_volume(const ContentType& type, const GeometryFile& file) {
+  auto source = open_volume_source(type, file, loading_.results.diagnostics(), loading_.budget);
+  if (!source) return;
+  // Without views, only the finest version counts.
+  if (loading_.options.by_view)
+    add_coarser(*source);
+  else
+    source->coarser.clear();
+  for (qnv::VolumeSource& version : source->coarser) versions_.push_back(std::move(version));
+  source->coarser.clear();
+  versions_.push_back(std::move(*source));
+  while (has_more() && !show_next_version()) {
+  }
+}
+
+void GeometryHandler::read_more() { (void)show_next_version(); }
+
+bool GeometryHandler::show_next_version() {
+  const qnv::VolumeSource source = std::move(versions_.front());
+  versions_.pop_front();
+  auto geometry = read_gradients(source, found_.path, !found_.local, loading_.results.diagnostics(), loading_.limit,
+                                 loading_.budget);
+  if (!geometry) return false;
+  auto held = hold_geometry(std::move(*geometry), loading_.budget);
+  if (!held) {
+    versions_.clear();
+    give_up(Resource::vectors);
+    return true;
+  }
+  show_(std::move(held));
+  return true;
 }
 
 void GeometryHandler::give_up(Resource resource) {

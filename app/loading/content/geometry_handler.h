@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -38,6 +39,8 @@ class GeometryHandler final : public ResourceHandler {
   void receive(std::span<const std::byte> bytes) override;
   void end(const std::optional<std::string>& problem) override;
   void receive_piece(const net::CellEvent& event) override;
+  [[nodiscard]] bool has_more() const override { return !versions_.empty(); }
+  void read_more() override;
   std::shared_ptr<StreamFeed> feed() override { return way_ == Way::done ? nullptr : feed_; }
 
  private:
@@ -52,6 +55,10 @@ class GeometryHandler final : public ResourceHandler {
   void show_more();
   void read_bytes();
   void read_whole(std::span<const std::byte> bytes, const std::string& path);
+  /// Opens a volume and shows its coarsest version.
+  void read_volume(const ContentType& type, const GeometryFile& file);
+  /// Shows the next version of a volume. Returns false if it has nothing to show.
+  bool show_next_version();
   void report_problems(const std::vector<qnv::StreamProblem>& problems, Severity severity);
   /// Stops reading after a part exceeded the memory budget. That part is omitted.
   void give_up(Resource resource);
@@ -70,6 +77,7 @@ class GeometryHandler final : public ResourceHandler {
   bool shown_exact_ = false;  // the exact mesh in the tail of the stream is shown
   bool by_chunks_ = false;    // chunks were received in any order
   std::size_t damaged_chunks_ = 0;
+  std::deque<qnv::VolumeSource> versions_;  // of a volume, the coarsest first, that are not shown yet
 };
 
 }  // namespace gs::app

@@ -1,5 +1,6 @@
 #include "app/loading/content/scene_content.h"
 
+#include "app/base/temporary_file.h"
 #include "app/formats/common/asset.h"
 #include "app/formats/confined/confined_import.h"
 #include "app/loading/content/geometry_handler.h"
@@ -147,6 +148,8 @@ class VectorContent final : public SceneContent {
     if (!node_) target_.refuse();
   }
   void receive_piece(const net::CellEvent& event) override { geometry_->receive_piece(event); }
+  [[nodiscard]] bool has_more() const override { return node_ && geometry_->has_more(); }
+  void read_more() override { geometry_->read_more(); }
   std::shared_ptr<StreamFeed> feed() override { return geometry_->feed(); }
 
  private:
@@ -174,7 +177,7 @@ class DatasetContent final : public SceneContent {
       : target_(target), type_(type), share_(target.loading().budget, Resource::files) {}
 
   bool whole_file(const net::MappedFile& file, const std::string& path) override {
-    choose(file.bytes());
+    choose(file.bytes(), path);
     return content_->whole_file(file, path);
   }
   void receive(std::span<const std::byte> bytes) override {
@@ -186,7 +189,16 @@ class DatasetContent final : public SceneContent {
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
   }
   void end(bool damaged) override {
-    choose(bytes_);
+    {
+      // A child looks into the file before it is read.
+      const Found& found = target_.found();
+      const TemporaryFile file(file_name(found.local ? found.path : found.url.path), bytes_);
+      if (!file.problem().empty()) {
+        target_.report(Severity::error, {}, file.problem());
+        return target_.refuse();
+      }
+      choose(bytes_, file.path());
+    }
     const std::vector<std::byte> bytes = std::exchange(bytes_, {});
     share_.shrink_to(0);  // the content counts them again
     content_->receive(bytes);
@@ -194,13 +206,14 @@ class DatasetContent final : public SceneContent {
   }
 
  private:
-  void choose(std::span<const std::byte> bytes) {
+  void choose(std::span<const std::byte> bytes, const std::string& path) {
     Loading& loading = target_.loading();
     const Found& found = target_.found();
     const ReadFile read_file = loading.fetcher.reader_of(found.origin);
     Diagnostics ignored;  // the content reports problems
-    ImportSource source{bytes, found.path, read_file, loading.budget, ignored};
+    ImportSource source{bytes, path, read_file, loading.budget, ignored};
     source.component = loading.options.component;
+    source.local = true;
     const ContentType& type = type_of_content(type_, source);
     target_.set_type(type);
     if (type.content == ContentClass::mesh)

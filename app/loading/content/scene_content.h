@@ -29,6 +29,8 @@ class SceneContent {
   virtual void end(bool damaged) = 0;
   virtual void receive_piece(const net::CellEvent&) {}
   /// See ContentHandler.
+  [[nodiscard]] virtual bool has_more() const { return false; }
+  virtual void read_more() {}
   virtual std::shared_ptr<StreamFeed> feed() { return nullptr; }
   /// Returns the nodes with incomplete fields.
   [[nodiscard]] virtual std::vector<vrml::NodeId> open_nodes() const { return {}; }

@@ -113,7 +113,7 @@ void SceneHandler::end(const std::optional<std::string>& problem) {
     if (use_.role == Role::inlined && !target_.refused())
       vrml::scale_content(*target_.scene(), length_unit_ / use_.outer->length_unit());
   }
-  content_.reset();
+  if (!has_more()) content_.reset();
   if (target_.refused() && results.diagnostics().errors() == errors_before_)
     results.report(Severity::error, target_.found().path, {}, "has nothing to show");
   results.set_changed(true);
@@ -123,6 +123,12 @@ void SceneHandler::end(const std::optional<std::string>& problem) {
 void SceneHandler::receive_piece(const net::CellEvent& event) {
   bytes_ += event.bytes.size();
   if (content_) content_->receive_piece(event);
+}
+
+void SceneHandler::read_more() {
+  content_->read_more();
+  context_.loading.results.set_changed(true);
+  if (!has_more()) content_.reset();
 }
 
 void SceneHandler::missing(const std::string& why) {
@@ -140,6 +146,7 @@ void SceneHandler::missing(const std::string& why) {
 }
 
 void SceneHandler::stopped() {
+  content_.reset();
   if (use_.role == Role::root) target_.cut_short();
 }
 

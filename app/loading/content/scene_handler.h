@@ -45,6 +45,8 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   void missing(const std::string& why) override;
   void stopped() override;
   void receive_piece(const net::CellEvent& event) override;
+  [[nodiscard]] bool has_more() const override { return content_ && !target_.refused() && content_->has_more(); }
+  void read_more() override;
   std::shared_ptr<StreamFeed> feed() override { return content_ ? content_->feed() : nullptr; }
   void leave_to_feed() override { finished_reading(); }
 

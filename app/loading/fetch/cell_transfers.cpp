@@ -88,10 +88,14 @@ void CellTransfers::open(Fetch& fetch, const net::Url& url) {
   sink.base = [this, &fetcher, at](const std::vector<std::byte>& bytes) {
     if (!at->fetch) return;
     fetcher.deliver(*at->fetch, bytes);
-    if (!loading_.options.by_view) return;
+    const bool whole = at->fetch->max_bytes == Fetch::kNoLimit;
+    if (!loading_.options.by_view && !(loading_.options.large_by_view && whole)) return;
     const std::shared_ptr<StreamFeed> feed = at->fetch->handler->feed();
     if (!feed) return;
-    at->stream->follow(feed);
+    if (!feed->takes_bytes() || !whole || !at->stream->follow_wishes(feed, bytes)) {
+      if (!loading_.options.by_view) return;
+      at->stream->follow(feed);
+    }
     if (!feed->takes_bytes()) return;
     at->feed = feed;
     loading_.ledger->follow(at->row, at->feed.get(), true);
@@ -102,7 +106,7 @@ void CellTransfers::open(Fetch& fetch, const net::Url& url) {
     loading_.ledger->receive(at->row, event.bytes.size(), {});
     if (at->feed) {
       fetcher.count_received(event.bytes.size());
-      at->feed->add_loose(event.name.chunk, event.bytes);
+      if (!at->stream->by_wishes()) at->feed->add_loose(event.name.chunk, event.bytes);
       fetcher.network().note_growth();
     } else if (at->fetch && event.bytes.size() <= at->fetch->max_bytes - at->fetch->received) {
       fetcher.count_received(event.bytes.size());
@@ -156,6 +160,10 @@ bool CellTransfers::step() {
     return over;
   });
   return any;
+}
+
+bool CellTransfers::streams_rest() const {
+  return std::ranges::all_of(cells_, [](const auto& one) { return !one->feed || one->stream->rests(); });
 }
 
 void CellTransfers::stop(const Fetch& fetch) {

@@ -29,6 +29,8 @@ class CellTransfers {
   /// Stops the stream that views follow in this row of the ledger.
   void cancel_stream(std::uint64_t row);
   void set_rate();
+  /// Returns true if no stream awaits what views want.
+  [[nodiscard]] bool streams_rest() const;
   [[nodiscard]] bool has_streams() const { return !cells_.empty(); }
   /// Returns the number of received and lost datagrams.
   [[nodiscard]] net::CellClientStatistics statistics() const;

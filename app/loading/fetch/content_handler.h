@@ -55,6 +55,10 @@ class ContentHandler {
   /// Ends the resource. `problem` states why the remaining bytes are missing; nullopt means that the resource is
   /// complete.
   virtual void end(const std::optional<std::string>& problem) = 0;
+  /// Returns true if work is left after `end`, such as finer versions that the content itself reads.
+  [[nodiscard]] virtual bool has_more() const { return false; }
+  /// Does a part of that work. Called once per step of the loading while `has_more` returns true.
+  virtual void read_more() {}
   /// Returns the reason why the content is unusable, or nullopt. With a reason, the caller tries the next candidate.
   /// Called after `end`.
   virtual std::optional<std::string> wants_next() { return std::nullopt; }

@@ -43,6 +43,7 @@ struct Fetch {
     seeking,  // no candidate has answered yet
     receiving,  // the handler gets bytes
     refused,  // the handler has refused the resource
+    refining,  // the resource has ended, and the handler reads finer versions
   };
   Stage stage = Stage::seeking;
   std::uint64_t received = 0;

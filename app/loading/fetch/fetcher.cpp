@@ -38,6 +38,9 @@ bool Fetcher::step(std::chrono::milliseconds wait) {
   if (!local_.empty()) {
     local_step();
     busy = true;
+  } else if (!refining_.empty()) {
+    refine_step();
+    busy = true;
   }
   if (!is_done() && !fetches_.empty() && ended_.size() < fetches_.size() && loading_.limit.over())
     stop("the time limit for loading was reached; the missing parts are left out");
@@ -89,6 +92,7 @@ LoadingState Fetcher::state() const {
 
 void Fetcher::drop_transfer(Fetch& fetch) {
   std::erase(local_, &fetch);
+  std::erase(refining_, &fetch);
   cells_.stop(fetch);
   network_.cancel(fetch);
 }
@@ -109,6 +113,7 @@ void Fetcher::stop(const std::string& why) {
   if (!cancelled) loading_.results.report(Severity::error, loading_.results.file(), {}, why);
   network_.cancel_all();
   local_.clear();
+  refining_.clear();
   // Each handler keeps its received part. It cannot start new fetches, because the phase is `stopped`.
   for (std::size_t i = 0; i < fetches_.size(); ++i) {
     Fetch& fetch = *fetches_[i];
@@ -334,8 +339,24 @@ void Fetcher::finish(Fetch& fetch, const std::optional<std::string>& problem) {
     fail_candidate(fetch, *useless);
     return begin_next_candidate(fetch);
   }
+  if (!problem && fetch.handler->has_more()) {
+    ended_.pop_back();
+    fetch.stage = Fetch::Stage::refining;
+    refining_.push_back(&fetch);
+    return;
+  }
   loading_.ledger->end(fetch.row, problem ? LoadStage::failed : LoadStage::whole, problem.value_or(""));
   if (!problem) fetch.handler->tell_progress(1);
+}
+
+void Fetcher::refine_step() {
+  Fetch& fetch = *refining_.front();
+  watch_change(fetch, [&] { fetch.handler->read_more(); });
+  if (fetch.handler->has_more()) return;
+  refining_.pop_front();
+  ended_.push_back(&fetch);
+  loading_.ledger->end(fetch.row, LoadStage::whole);
+  fetch.handler->tell_progress(1);
 }
 
 ReadFile Fetcher::reader_of(const net::Origin& origin) {
@@ -357,6 +378,31 @@ ReadFile Fetcher::reader_of(const net::Origin& origin) {
     }
     if (loading_.options.offline) return name + ": the network is disabled (--offline)";
     return network_.read_now(url, origin);
+  };
+}
+
+ReadFiles Fetcher::files_of(const net::Origin& origin) {
+  return [this, origin](std::span<const FileRequest> requests) {
+    std::vector<FileResult> results(requests.size());
+    std::vector<NetworkTransfers::Wanted> wanted;
+    std::vector<std::size_t> places;
+    for (std::size_t i = 0; i < requests.size(); ++i) {
+      const net::Url url = net::resolve(net::parse_url(origin.url), net::parse_url(requests[i].reference));
+      if (url.scheme == "file") {
+        results[i] = read_local_part(url, policy_, origin, requests[i]);
+      } else if (const auto refused = policy_.refuse(origin, url)) {
+        results[i] = requests[i].reference + ": " + refused->message;
+      } else if (loading_.options.offline) {
+        results[i] = requests[i].reference + ": the network is disabled (--offline)";
+      } else {
+        wanted.push_back({url, requests[i].part});
+        places.push_back(i);
+      }
+    }
+    if (wanted.empty()) return results;
+    std::vector<FileResult> received = network_.read_all_now(wanted, origin);
+    for (std::size_t i = 0; i < places.size(); ++i) results[places[i]] = std::move(received[i]);
+    return results;
   };
 }
 

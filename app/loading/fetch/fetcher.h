@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/base/read_file.h"
+#include "app/base/read_files.h"
 #include "app/loading/fetch/cell_transfers.h"
 #include "app/loading/fetch/fetch.h"
 #include "app/loading/fetch/network_transfers.h"
@@ -47,6 +48,8 @@ class Fetcher {
   void fetch(std::unique_ptr<Fetch> wanted, Urgency urgency);
   /// Returns a function that reads resources at once for a text from `origin`.
   [[nodiscard]] ReadFile reader_of(const net::Origin& origin);
+  /// Returns a function that reads several files as reader_of() does.
+  [[nodiscard]] ReadFiles files_of(const net::Origin& origin);
   /// Handles some received data, or waits for it for at most `wait`. Returns false if nothing is being read.
   bool step(std::chrono::milliseconds wait);
   // If no earlier fetch is running, the count of files starts again at 0.
@@ -77,6 +80,7 @@ class Fetcher {
   [[nodiscard]] bool has_ended(const Fetch& fetch) const;
   bool begin_local(Fetch& fetch, const net::Url& url);
   void local_step();
+  void refine_step();
   void stop(const std::string& why);
   void drop_transfer(Fetch& fetch);
   void watch_change(const Fetch& fetch, const std::function<void()>& take);
@@ -90,6 +94,7 @@ class Fetcher {
   CellTransfers cells_;
   std::vector<std::unique_ptr<Fetch>> fetches_;  // incomplete fetches
   std::deque<Fetch*> local_;  // fetches of local files, read here in order
+  std::deque<Fetch*> refining_;  // fetches with handlers that have more to read, in order
   std::vector<Fetch*> ended_;
   std::size_t files_ = 0;
   std::uint64_t received_ = 0;

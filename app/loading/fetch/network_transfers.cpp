@@ -234,48 +234,110 @@ void NetworkTransfers::take_rest(Fetch& fetch) {
 
 // Reads a resource that an importer waits for. Events of other requests are queued meanwhile.
 BytesResult NetworkTransfers::read_now(const net::Url& url, const net::Origin& from) {
-  net::Request wanted;
-  wanted.url = without_fragment(url);
-  wanted.from = from;
-  wanted.priority = static_cast<int>(Urgency::world) * kUrgencyStep;
-  const net::RequestId id = loader().request(std::move(wanted));
+  const Wanted wanted{url, std::nullopt};
+  FileResult result = std::move(read_all_now({&wanted, 1}, from).front());
+  if (auto* const bytes = std::get_if<SharedBytes>(&result)) return std::move(*bytes);
+  if (auto* const problem = std::get_if<std::string>(&result)) return std::move(*problem);
+  return net::url_for_messages(url.text()) + ": not found";
+}
+
+namespace {
+
+/// Request with the bytes that were received.
+struct CollectedRequest {
+  net::RequestId id;
   std::vector<std::byte> bytes;
-  Share share(loading_.budget, Resource::files);
-  std::optional<std::string> problem = "the time limit for loading was reached";
-  bool over = false;
-  while (!over && !loading_.limit.over()) {
-    for (net::LoadEvent& event : loader_->poll()) {
-      if (event.id != id) {
-        events_.push_back(std::move(event));
-      } else if (auto* data = std::get_if<net::LoadData>(&event.what)) {
-        if (over) continue;
-        if (!share.grow(data->bytes.size())) {
-          over = true;
-          problem = loading_.budget->refusal(Resource::files);
-          continue;
-        }
-        bytes.insert(bytes.end(), data->bytes.begin(), data->bytes.end());
-      } else if (std::holds_alternative<net::LoadRestarted>(event.what)) {
-        bytes.clear();
-      } else if (std::holds_alternative<net::LoadDone>(event.what)) {
-        over = true;
-        problem.reset();
-      } else if (auto* error = std::get_if<net::LoadError>(&event.what)) {
-        over = true;
-        problem = std::move(error->message);
-      }
-    }
-    if (!over && loader_->queued_bytes() == 0) loading_.waker->wait(kLongestWait);
-  }
-  loader_->cancel(id);
-  loading_.fetcher.count_received(bytes.size());
-  if (problem) return std::move(*problem);
+  std::optional<std::uint64_t> total;
+  std::optional<FileResult> result;  // once it is over
+  bool only_total = false;           // the request asks for the length of the resource
+};
+
+/// Status codes that mean that a resource does not exist. Stores such as S3 answer 403 if they may not be listed.
+bool is_absent_resource(const net::LoadError& error) {
+  return error.kind == net::LoadErrorKind::not_found || error.http_status == 403;
+}
+
+}  // namespace
+
+std::vector<FileResult> NetworkTransfers::read_all_now(std::span<const Wanted> wanted, const net::Origin& from) {
+  std::vector<CollectedRequest> requests(wanted.size());
   struct Held {
-    std::vector<std::byte> bytes;
+    explicit Held(const WorldBudget& budget) : share(budget, Resource::files) {}
+    std::vector<std::vector<std::byte>> bytes;
     Share share;
   };
-  const auto held = std::make_shared<const Held>(Held{std::move(bytes), std::move(share)});
-  return SharedBytes{held, held->bytes};
+  const auto held = std::make_shared<Held>(loading_.budget);
+  const auto ask_for = [&](CollectedRequest& request, const Wanted& one, std::vector<net::ByteRange> ranges) {
+    net::Request made;
+    made.url = without_fragment(one.url);
+    made.from = from;
+    made.ranges = std::move(ranges);
+    made.priority = static_cast<int>(Urgency::world) * kUrgencyStep;
+    request.id = loader().request(std::move(made));
+  };
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    std::vector<net::ByteRange> ranges;
+    if (const auto& part = wanted[i].part) {
+      requests[i].only_total = part->from_end;
+      ranges = {part->from_end ? net::ByteRange{0, 1} : net::ByteRange{part->offset, part->offset + part->bytes}};
+    }
+    ask_for(requests[i], wanted[i], std::move(ranges));
+  }
+  std::size_t open = requests.size();
+  const auto finish = [&](CollectedRequest& request, FileResult result) {
+    request.result = std::move(result);
+    --open;
+  };
+  const auto end = [&](CollectedRequest& request, const Wanted& one) {
+    if (!request.only_total) return finish(request, SharedBytes{held, request.bytes});
+    const std::uint64_t length = one.part->bytes;
+    if (!request.total || *request.total < length)
+      return finish(request, net::url_for_messages(one.url.text()) + ": expected at least " + std::to_string(length) +
+                                 " bytes, and a server that states the length");
+    request.only_total = false;
+    request.bytes.clear();
+    ask_for(request, one, {{*request.total - length, *request.total}});
+  };
+  while (open > 0 && !loading_.limit.over()) {
+    for (net::LoadEvent& event : loader_->poll()) {
+      const auto request = std::ranges::find(requests, event.id, &CollectedRequest::id);
+      if (request == requests.end()) {
+        events_.push_back(std::move(event));
+        continue;
+      }
+      if (request->result) continue;
+      const Wanted& one = wanted[static_cast<std::size_t>(request - requests.begin())];
+      if (const auto* const head = std::get_if<net::LoadHead>(&event.what)) {
+        request->total = head->total;
+      } else if (const auto* const data = std::get_if<net::LoadData>(&event.what)) {
+        if (!held->share.grow(data->bytes.size())) {
+          finish(*request, loading_.budget->refusal(Resource::files));
+          continue;
+        }
+        request->bytes.insert(request->bytes.end(), data->bytes.begin(), data->bytes.end());
+      } else if (std::holds_alternative<net::LoadRestarted>(event.what)) {
+        request->bytes.clear();
+      } else if (std::holds_alternative<net::LoadDone>(event.what)) {
+        end(*request, one);
+      } else if (auto* const error = std::get_if<net::LoadError>(&event.what)) {
+        finish(*request, is_absent_resource(*error) ? FileResult(NoFile()) : FileResult(std::move(error->message)));
+      }
+    }
+    if (open > 0 && loader_->queued_bytes() == 0) loading_.waker->wait(kLongestWait);
+  }
+  std::vector<FileResult> results;
+  for (CollectedRequest& request : requests) {
+    loader_->cancel(request.id);
+    loading_.fetcher.count_received(request.bytes.size());
+    if (!request.result) request.result = std::string("the time limit for loading was reached");
+    if (auto* const bytes = std::get_if<SharedBytes>(&*request.result)) {
+      // The bytes keep their place when the vector moves.
+      held->bytes.push_back(std::move(request.bytes));
+      *bytes = {held, held->bytes.back()};
+    }
+    results.push_back(std::move(*request.result));
+  }
+  return results;
 }
 
 }  // namespace gs::app

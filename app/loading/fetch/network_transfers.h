@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/base/read_file.h"
+#include "app/base/read_files.h"
 #include "app/loading/fetch/fetch.h"
 #include "app/streams/ranged_stream.h"
 #include "net/load/loader.h"
@@ -11,6 +12,8 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <unordered_map>
 #include <unordered_set>
@@ -40,6 +43,13 @@ class NetworkTransfers {
   void set_rate();
   /// Returns the bytes of a resource. Blocks; events of other requests are queued meanwhile.
   [[nodiscard]] BytesResult read_now(const net::Url& url, const net::Origin& from);
+  /// Part of a resource.
+  struct Wanted {
+    net::Url url;
+    std::optional<FilePart> part;
+  };
+  /// Returns the bytes of several resources, which are requested at once. Blocks as read_now().
+  [[nodiscard]] std::vector<FileResult> read_all_now(std::span<const Wanted> wanted, const net::Origin& from);
 
   /// Cancels the stream of this row in the ledger.
   void cancel_stream(std::uint64_t row);

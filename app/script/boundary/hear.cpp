@@ -2,7 +2,8 @@
 
 namespace gs::app::script {
 
-Heard hear(WorldAccess& world, std::span<const std::byte> message, MessageWriter& answer, Report& report) {
+Heard hear(WorldAccess& world, std::span<const std::byte> message, MessageWriter& answer,
+           const std::function<bool(const Report&)>& reported) {
   MessageReader reader(message);
   while (!reader.at_end()) {
     switch (static_cast<ItemKind>(reader.number<std::uint8_t>())) {
@@ -19,14 +20,16 @@ Heard hear(WorldAccess& world, std::span<const std::byte> message, MessageWriter
         write(answer, world.ask(question));
         return Heard::question;
       }
-      case ItemKind::report:
-        report = read_report(reader);
-        return reader.good() && reader.at_end() ? Heard::report : Heard::impossible;
+      case ItemKind::report: {
+        const Report report = read_report(reader);
+        if (!reader.good() || !reported(report)) return Heard::impossible;
+        break;
+      }
       default:
         return Heard::impossible;
     }
   }
-  return reader.good() ? Heard::notices : Heard::impossible;
+  return reader.good() ? Heard::all : Heard::impossible;
 }
 
 }  // namespace gs::app::script

@@ -339,9 +339,10 @@ Question read_question(MessageReader& from) {
 
 void write(MessageWriter& to, const Report& report) {
   to.begin(ItemKind::report);
-  for (const bool flag :
-       {report.good, report.no_memory, report.runs, report.off, report.has_processed, report.has_prepare})
+  for (const bool flag : {report.good, report.no_memory, report.runs, report.off, report.has_processed,
+                          report.has_prepare, report.skipped})
     to.number(static_cast<std::uint8_t>(flag));
+  to.number(report.seconds);
   to.number(static_cast<std::int32_t>(report.faults));
   to.text(report.text);
   write_diagnostic(to, report.problem);
@@ -349,9 +350,10 @@ void write(MessageWriter& to, const Report& report) {
 
 Report read_report(MessageReader& from) {
   Report report;
-  for (bool* const flag :
-       {&report.good, &report.no_memory, &report.runs, &report.off, &report.has_processed, &report.has_prepare})
+  for (bool* const flag : {&report.good, &report.no_memory, &report.runs, &report.off, &report.has_processed,
+                           &report.has_prepare, &report.skipped})
     *flag = from.truth();
+  report.seconds = from.number<double>();
   report.faults = from.number<std::int32_t>();
   report.text = from.text();
   report.problem = read_diagnostic(from);

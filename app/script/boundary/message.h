@@ -16,8 +16,8 @@
 // trusts the other: readers check every length and number, and stop at the first wrong one.
 namespace gs::app::script {
 
-/// Kind of an item. A message of the world is one order or one answer. A message of the programs is any number of
-/// notices and then one question or report, or nothing if more notices follow.
+/// Kind of an item. A message of the world is orders or one answer. A message of the programs is notices and reports,
+/// and then at most one question. Each order has a report; the notices and questions before it belong to that order.
 enum class ItemKind : std::uint8_t { order, answer, notice, question, report };
 
 /// Writer of a message.

@@ -4,7 +4,9 @@
 #include "vrml/event_model/behaviour.h"
 
 #include <cstddef>
+#include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -60,6 +62,8 @@ struct Report {
   bool good = false;       // start: the text was compiled; evaluate: the line has a value; check: no problem
   bool no_memory = false;  // there is too little memory for programs
   bool runs = false, off = false, has_processed = false, has_prepare = false;  // state of the program
+  bool skipped = false;  // the order was not run, because those before it took long
+  double seconds = 0;    // duration of the call
   int faults = 0;
   std::string text{};
   std::optional<Diagnostic> problem{};
@@ -70,6 +74,17 @@ class ProgramHost : NonCopyable {
  public:
   virtual ~ProgramHost() = default;
   [[nodiscard]] virtual Report run(const Order& order) = 0;
+  /// Receiver of the report of each order. What programs ask and tell afterwards belongs to the next order. Returns
+  /// false if the next order should not run.
+  using Reported = std::function<bool(const Report&)>;
+  /// Runs orders one after the other: at least the first, and fewer than all if they take long or if programs stop.
+  virtual void run_all(std::span<const Order> orders, const Reported& reported) {
+    for (const Order& order : orders)
+      if (!reported(run(order))) return;
+  }
+  /// Returns the number of orders of run_all() between the last one with a report and the one that stopped the
+  /// programs.
+  [[nodiscard]] virtual std::size_t unreported() const { return 0; }
   /// Returns why no program runs any more; empty while programs run.
   [[nodiscard]] virtual std::string stopped() const { return {}; }
 };

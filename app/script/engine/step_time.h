@@ -28,6 +28,8 @@ class StepTime {
     longest_ = took;
     slowest_ = script;
   }
+  /// Adds time that no single call has used.
+  void add(Duration took) { spent_ += took; }
   /// Reports whether time is left. If none is left, the step is late.
   [[nodiscard]] bool has_time() {
     if (seconds_ <= 0) return true;

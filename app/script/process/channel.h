@@ -27,6 +27,7 @@ struct Lane {
 struct ChannelMemory {
   Lane to_programs, to_world;
   std::atomic<std::int32_t> world_processor, programs_processor;  // 1 + number of the processor on which each side ran
+  std::atomic<std::uint32_t> progress;  // number of the orders of the last message that the programs have begun
 };
 
 /// End of a channel between a world and the process of its programs. To wait, it polls for some microseconds, unless
@@ -44,6 +45,12 @@ class Channel : NonCopyable {
 
   /// Sets the function that is called about every 10 ms while this end waits. If it returns false, the wait fails.
   void set_patience(std::function<bool()> patience) { patience_ = std::move(patience); }
+  /// Tells the other end the number of the last message's orders that were begun.
+  void set_progress(std::uint32_t begun) { memory_->progress.store(begun, std::memory_order_relaxed); }
+  /// Returns the number that the other end told; 0 without memory. The other end may be hostile.
+  [[nodiscard]] std::uint32_t progress() const {
+    return memory_ ? memory_->progress.load(std::memory_order_relaxed) : 0;
+  }
   /// Sends a message. Returns false if the wait for the other process failed.
   [[nodiscard]] bool send(std::span<const std::byte> message);
   /// Receives a message of at most `most` bytes. Returns false if the wait failed, or if the message is longer.

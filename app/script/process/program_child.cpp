@@ -5,7 +5,9 @@
 #include "app/script/boundary/message.h"
 #include "app/script/process/channel.h"
 
+#include <chrono>
 #include <csignal>
+#include <deque>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -20,6 +22,7 @@ namespace {
 constexpr int kChannelFile = 3;
 constexpr rlim_t kMostChildMemory = rlim_t{3} << 30;
 constexpr std::size_t kMostOrder = std::size_t{1} << 31;    // bytes; the world decides the size of orders
+constexpr std::chrono::milliseconds kMostOfMessage{5};      // time after which the rest of a message is skipped
 constexpr std::size_t kKeptNotices = std::size_t{1} << 18;  // bytes of notices that wait for a question
 
 bool limit_child() {
@@ -58,19 +61,35 @@ class RemoteWorld final : public WorldAccess {
   }
 
   [[nodiscard]] Order next_order() {
-    receive();
-    MessageReader reader(message_);
-    if (reader.number<std::uint8_t>() != static_cast<std::uint8_t>(ItemKind::order)) end_here();
-    Order order = read_order(reader);
-    if (!reader.good()) end_here();
+    if (orders_.empty()) receive_orders();
+    channel_.set_progress(++begun_);
+    Order order = std::move(orders_.front());
+    orders_.pop_front();
     return order;
   }
+  // Reports of one message travel together.
   void report(const Report& report) {
     write(writer_, report);
-    send();
+    if (!orders_.empty() && std::chrono::steady_clock::now() - received_ > kMostOfMessage) {
+      Report skipped;
+      skipped.skipped = true;
+      for (; !orders_.empty(); orders_.pop_front()) write(writer_, skipped);
+    }
+    if (orders_.empty()) send();
   }
 
  private:
+  void receive_orders() {
+    receive();
+    MessageReader reader(message_);
+    do {
+      if (reader.number<std::uint8_t>() != static_cast<std::uint8_t>(ItemKind::order)) end_here();
+      orders_.push_back(read_order(reader));
+      if (!reader.good()) end_here();
+    } while (!reader.at_end());
+    begun_ = 0;
+    received_ = std::chrono::steady_clock::now();
+  }
   void send() {
     if (!channel_.send(writer_.bytes())) end_here();
     writer_.clear();
@@ -82,6 +101,9 @@ class RemoteWorld final : public WorldAccess {
   Channel& channel_;
   MessageWriter writer_;
   std::vector<std::byte> message_;
+  std::deque<Order> orders_;  // of the last message, not yet run
+  std::uint32_t begun_ = 0;   // number of its orders that were begun
+  std::chrono::steady_clock::time_point received_;
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,26 +17,30 @@ namespace gs::app::script {
 /// path, programs run in this process, as in tests and in processes that are confined themselves.
 void set_program_of_scripts(std::string program);
 
-/// Sets the function that is called about 50 times a second while the calling thread waits for programs, from 0.1 s on.
-/// If it returns true, the programs of the world are ended. An empty function calls nothing.
-void set_wait_pump(std::function<bool()> pump);
-
 /// Host that runs programs in a confined child process. The child is killed if it does not answer in time, if it
-/// crashes, or if it says anything impossible.
+/// crashes, if it says anything impossible, or if the user wants the wait to end (app/base/world_work.h).
 class ProgramProcess final : public ProgramHost {
  public:
   ProgramProcess(WorldAccess& world, const std::string& program, bool repeatable);
   ~ProgramProcess() override;
 
   [[nodiscard]] Report run(const Order& order) override;
+  void run_all(std::span<const Order> orders, const Reported& reported) override;
+  [[nodiscard]] std::size_t unreported() const override { return unreported_; }
   [[nodiscard]] std::string stopped() const override { return stopped_; }
   [[nodiscard]] pid_t process() const { return child_; }
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// Sends the order in `writer_` and answers questions until the report. Returns false if the child failed.
-  [[nodiscard]] bool obey(Report& report);
+  /// Waits for the start of the child. Returns false if it failed.
+  [[nodiscard]] bool is_ready();
+  /// Sends the first orders, as many as fit into a message, and answers questions until all have reports. Returns their
+  /// number; 0 if the child failed.
+  [[nodiscard]] std::size_t send_orders(std::span<const Order> orders, const Reported& reported);
+  /// Sends the message in `writer_` and answers questions until `reports` reports came. Returns false if the child
+  /// failed.
+  [[nodiscard]] bool hear_reports(std::size_t reports, const Reported& reported);
   [[nodiscard]] bool goes_on();
   void stop(const std::string& why);
 
@@ -46,7 +51,8 @@ class ProgramProcess final : public ProgramHost {
   std::vector<std::byte> message_;
   bool ready_ = false;          // the child has started
   std::size_t most_bytes_ = 0;  // of a message
-  Clock::time_point began_, pumped_, deadline_;
+  std::size_t unreported_ = 0;
+  Clock::time_point began_, looked_, deadline_;
   std::string stopped_;
 };
 

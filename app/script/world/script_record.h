@@ -25,7 +25,8 @@ struct ScriptRecord {
   /// Values of fields and eventOuts that the program knows, by index in the node type's interfaces.
   std::vector<vrml::FieldValue> known;
   bool runs = false, waits = false, off = false, has_processed = false, has_prepare = false, told_direct = false;
-  bool ended = false;  // shutdown() was called
+  bool ended = false;         // shutdown() was called
+  bool acts_at_once = false;  // the program changes ROUTEs or adds nodes, which acts before it returns
   int faults = 0;
   std::size_t next_url = 0;  // index of the first entry of the url field that was not tried yet
 };

@@ -3,6 +3,7 @@
 #include "app/base/text_source.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <utility>
 
@@ -21,6 +22,26 @@ bool is_known(const vrml::FieldValue& a, const vrml::FieldValue& b) {
                                            return one == other;
                                        },
                                        a);
+}
+
+// Value of ScriptCall::interface for prepareEvents() of X3D programs.
+constexpr std::uint32_t kPrepare = vrml::ScriptCall::kProcessed - 1;
+
+// Reports whether a program mentions methods that change ROUTEs or add nodes. A program that hides their names is known
+// after its first such call (WorldAnswers).
+bool mentions_acts(std::string_view text) {
+  constexpr std::array<std::string_view, 4> kActs = {"Route", "create", "rootNodes", "eval"};
+  return std::ranges::any_of(kActs, [&](std::string_view act) { return text.find(act) != std::string_view::npos; });
+}
+
+Order order_of(const vrml::ScriptCall& call) {
+  const bool is_event = call.interface < kPrepare;
+  Order order{is_event ? Order::Kind::event : Order::Kind::call};
+  if (!is_event) return order.text = call.interface == kPrepare ? "prepareEvents" : "eventsProcessed", order;
+  order.place = call.interface;
+  order.value = call.value;
+  order.time = call.time;
+  return order;
 }
 
 }  // namespace
@@ -61,7 +82,19 @@ void ScriptedWorld::add_values(ScriptRecord& script, Order& order) {
   }
 }
 
-Report ScriptedWorld::run(ScriptRecord& script, Order order) {
+// Notes that the program did not receive the values of an order.
+void ScriptedWorld::forget_values(const Order& order) {
+  ScriptRecord* const script = record_of(order.program);
+  if (!script) return;
+  for (const auto& [place, value] : order.values) {
+    // A value of another type differs from each value of the field.
+    vrml::FieldValue other;
+    if (value.index() == other.index()) other = vrml::MFNode{};
+    if (place < script->known.size()) script->known[place] = other;
+  }
+}
+
+void ScriptedWorld::complete(ScriptRecord& script, Order& order) {
   const Limits& limits = execution_.scenes().root().limits();
   order.program = script.node;
   order.now = execution_.now();
@@ -70,19 +103,27 @@ Report ScriptedWorld::run(ScriptRecord& script, Order order) {
   order.image_pixels = limits.image_pixels;
   order.gone = answers_.take_gone();
   add_values(script, order);
+}
+
+Report ScriptedWorld::run(ScriptRecord& script, Order order) {
+  complete(script, order);
   const auto began = std::chrono::steady_clock::now();
   answers_.set_running(&script);
   const bool counts = order.kind != Order::Kind::evaluate;
   const Report report = host_->run(order);
   answers_.set_running(nullptr);
   if (counts) time_.add(script.node, std::chrono::steady_clock::now() - began);
+  note(script, report);
+  note_stop(script);
+  return report;
+}
+
+void ScriptedWorld::note(ScriptRecord& script, const Report& report) {
   script.runs = report.runs;
   script.off = report.off;
   script.has_processed = report.has_processed;
   script.has_prepare = report.has_prepare;
   script.faults = report.faults;
-  note_stop(script);
-  return report;
 }
 
 void ScriptedWorld::note_stop(const ScriptRecord& script) {
@@ -116,6 +157,7 @@ bool ScriptedWorld::start_text(ScriptRecord& script, std::string_view text, cons
   order.file = file;
   order.at = place;
   if (!stopped_.empty()) return false;
+  script.acts_at_once = script.acts_at_once || mentions_acts(text);
   const Report report = run(script, std::move(order));
   if (report.no_memory) messages_.report(Severity::error, script, "not enough memory for programs");
   if (report.good) call(script, "initialize");
@@ -149,11 +191,7 @@ bool ScriptedWorld::deliver(vrml::EventNode node, std::uint32_t interface, const
   ScriptRecord* const script = record_of(node);
   if (!script || !script->runs) return false;
   if (script->off) return script->has_processed;
-  Order order{Order::Kind::event};
-  order.place = interface;
-  order.value = value;
-  order.time = time;
-  (void)run(*script, std::move(order));
+  (void)run(*script, order_of({node, interface, value, time}));
   return script->has_processed;
 }
 
@@ -162,15 +200,86 @@ void ScriptedWorld::events_processed(vrml::EventNode node) {
   if (script && script->runs) call(*script, "eventsProcessed");
 }
 
+// ---- Calls together
+
+bool ScriptedWorld::may_wait(vrml::EventNode node) const {
+  const ScriptRecord* const script = record_of(node);
+  return script && !script->acts_at_once;
+}
+
+bool ScriptedWorld::makes_call(vrml::EventNode node) const {
+  const ScriptRecord* const script = record_of(node);
+  return script && script->runs && !script->off;
+}
+
+std::size_t ScriptedWorld::make_calls(std::span<const vrml::ScriptCall> calls, const Made& made) {
+  std::size_t done = 0;
+  while (done < calls.size() &&
+         (done == 0 || calls[done].interface == vrml::ScriptCall::kProcessed || time_.has_time()))
+    done += make_together(calls.subspan(done), made);
+  return done;
+}
+
+std::size_t ScriptedWorld::make_together(std::span<const vrml::ScriptCall> calls, const Made& made) {
+  std::vector<Order> orders;
+  std::vector<std::size_t> ends;  // for each order: number of the calls before and with it
+  for (std::size_t i = 0; i < calls.size(); ++i) {
+    if (!makes_call(calls[i].script)) continue;
+    orders.push_back(order_of(calls[i]));
+    complete(*record_of(calls[i].script), orders.back());
+    ends.push_back(i + 1);
+  }
+  std::size_t done = 0, reported = 0;
+  const auto finish = [&](std::size_t end) {
+    for (; done < end; ++done) {
+      const ScriptRecord* const script = record_of(calls[done].script);
+      made(calls[done], script && script->runs && script->has_processed);
+    }
+  };
+  using Duration = StepTime::Duration;
+  const auto began = std::chrono::steady_clock::now();
+  Duration added{};
+  const auto run_next = [&] {
+    answers_.set_running(reported < orders.size() ? record_of(orders[reported].program) : nullptr);
+  };
+  run_next();
+  if (!orders.empty())
+    host_->run_all(orders, [&](const Report& report) {
+      const std::size_t one = reported++;
+      // The process of the programs may be hostile, so its times cannot exceed the real one.
+      const Duration left = std::chrono::steady_clock::now() - began - added;
+      const double most = std::chrono::duration<double>(left).count();
+      const Duration took =
+          !(report.seconds < most)
+              ? left
+              : std::chrono::duration_cast<Duration>(std::chrono::duration<double>(std::max(0.0, report.seconds)));
+      added += took;
+      time_.add(orders[one].program, took);
+      if (ScriptRecord* const script = record_of(orders[one].program)) note(*script, report);
+      finish(ends[one]);
+      run_next();
+      return reported == orders.size() || calls[ends[one]].interface == vrml::ScriptCall::kProcessed ||
+             time_.has_time();
+    });
+  answers_.set_running(nullptr);
+  time_.add(std::chrono::steady_clock::now() - began - added);
+  const bool stops = !host_->stopped().empty();
+  if (stops && !orders.empty())
+    if (const ScriptRecord* const last =
+            record_of(orders[std::min(reported + host_->unreported(), orders.size() - 1)].program))
+      note_stop(*last);
+  for (std::size_t i = reported; i < orders.size(); ++i) forget_values(orders[i]);
+  if (stops || reported == 0 || reported == orders.size()) finish(calls.size());
+  return done;
+}
+
 void ScriptedWorld::prepare_events() {
   // prepareEvents() may add Scripts, but it begins none.
-  std::vector<vrml::EventNode> nodes;
+  std::vector<vrml::ScriptCall> calls;
   for (const auto& [node, script] : scripts_)
-    if (script->runs && script->has_prepare && !script->off) nodes.push_back(node);
-  std::sort(nodes.begin(), nodes.end());
-  for (const vrml::EventNode node : nodes)
-    if (ScriptRecord* const script = record_of(node); script && script->runs && time_.has_time())
-      call(*script, "prepareEvents");
+    if (script->runs && script->has_prepare && !script->off) calls.push_back({node, kPrepare});
+  std::ranges::sort(calls, {}, &vrml::ScriptCall::script);
+  if (!calls.empty() && time_.has_time()) (void)make_calls(calls, [](const vrml::ScriptCall&, bool) {});
 }
 
 bool ScriptedWorld::prepares_events() const {

@@ -26,9 +26,12 @@ class ScriptedWorld final : public ScriptRunner, private ProgramStarter {
   /// Sets the host of the programs. Call it before all others.
   void set_host(std::unique_ptr<ProgramHost> host) { host_ = std::move(host); }
 
+  using Made = std::function<void(const vrml::ScriptCall&, bool)>;
   bool begin(vrml::EventNode script) override;
   bool deliver(vrml::EventNode script, std::uint32_t interface, const vrml::FieldValue& value, double time) override;
   void events_processed(vrml::EventNode script) override;
+  [[nodiscard]] bool may_wait(vrml::EventNode script) const override;
+  [[nodiscard]] std::size_t make_calls(std::span<const vrml::ScriptCall> calls, const Made& made) override;
   void prepare_events() override;
   [[nodiscard]] bool prepares_events() const override;
   void end(vrml::EventNode script) override;
@@ -54,9 +57,16 @@ class ScriptedWorld final : public ScriptRunner, private ProgramStarter {
  private:
   bool start_text(ScriptRecord& script, std::string_view text, const std::string& file, SourceLocation place) override;
   [[nodiscard]] ScriptRecord* record_of(vrml::EventNode node) const;
-  /// Runs an order for a Script. Adds the facts that all orders have, and the values that the program does not know.
+  /// Adds the facts that all orders have, and the values that the program does not know.
+  void complete(ScriptRecord& script, Order& order);
+  /// Runs an order for a Script.
   Report run(ScriptRecord& script, Order order);
+  [[nodiscard]] bool makes_call(vrml::EventNode script) const;
+  /// Makes the first calls together. Returns their number.
+  [[nodiscard]] std::size_t make_together(std::span<const vrml::ScriptCall> calls, const Made& made);
+  static void note(ScriptRecord& script, const Report& report);
   void add_values(ScriptRecord& script, Order& order);
+  void forget_values(const Order& order);
   void call(ScriptRecord& script, const char* function);
   /// Reports that no program of this world runs any more, if the host says so. `script` was the last one to run.
   void note_stop(const ScriptRecord& script);

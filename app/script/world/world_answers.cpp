@@ -82,7 +82,13 @@ void WorldAnswers::release_all() {
       for (std::uint32_t i = 0; i < count; ++i) execution_.lifetime().release(*at.scene, at.node);
 }
 
+bool WorldAnswers::acts_at_once(Ask ask) {
+  return ask == Ask::create_nodes || ask == Ask::change_route || ask == Ask::x3d_set_roots ||
+         ask == Ask::x3d_create_instance || ask == Ask::make_navigation;
+}
+
 Answer WorldAnswers::ask(const Question& question) {
+  if (running_ && acts_at_once(question.ask)) running_->acts_at_once = true;
   const auto index = static_cast<std::size_t>(question.ask);
   const AnswerFunction answer = running_ && index < kAskCount ? answer_functions()[index] : nullptr;
   return answer ? answer(*this, question) : Answer{};

@@ -58,6 +58,7 @@ class WorldAnswers final : public WorldAccess {
   [[nodiscard]] NodeAt find(const NodeRef& node) const;
 
  private:
+  [[nodiscard]] static bool acts_at_once(Ask ask);
   void hold(const Notice& notice);
   void release(const Notice& notice);
   void set_own_value(const Notice& notice);

@@ -1,5 +1,6 @@
 #include "app/session/documents/world_reader.h"
 
+#include "app/base/world_work.h"
 #include "base/budget.h"
 
 #include <algorithm>
@@ -155,7 +156,7 @@ void WorldReader::give_away(WorldLoading& loading) {
   const WorldBudget budget = world.scene ? world.scene->budget() : own_budget();
   budget->stop_when([this] { return cancelled_.load(); });
   auto document = make_document(std::move(world), std::move(meshes));
-  budget->stop_when({});
+  budget->stop_when(is_work_unwanted);
   tell({std::move(document), {}, false, false, loading.state()});
 }
 

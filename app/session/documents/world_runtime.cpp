@@ -1,5 +1,6 @@
 #include "app/session/documents/world_runtime.h"
 
+#include "app/base/world_work.h"
 #include "app/formats/qnv/geometry_reader.h"
 #include "app/media/media_file.h"
 #include "render/scene/late_meshes.h"
@@ -23,6 +24,26 @@ double world_time() {
   static const double at_begin =
       std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
   return at_begin + std::chrono::duration<double>(Steady::now() - begin).count();
+}
+
+/// Work that the user can stop. Then the events of the world end.
+class WorldRuntime::Work : NonCopyable {
+ public:
+  explicit Work(WorldRuntime& runtime) : runtime_(runtime) {}
+  ~Work() {
+    if (work_.was_stopped()) runtime_.execution_.budget().halt();
+    runtime_.note_halt();
+  }
+
+ private:
+  WorldRuntime& runtime_;
+  WorldWork work_;
+};
+
+void WorldRuntime::note_halt() {
+  if (!execution_.budget().is_halted() || std::exchange(told_halt_, true)) return;
+  programs_.tell(
+      {{Severity::error, world_.path, {}, "the events of this world took long and were stopped by the user"}, false});
 }
 
 WorldRuntime::WorldRuntime(LoadedWorld& world, render::MeshCache& meshes)
@@ -52,6 +73,7 @@ void WorldRuntime::note_load(const ResourceUpdates::Place& place, bool loaded) {
 WorldRuntime::~WorldRuntime() { programs_.stop(); }
 
 void WorldRuntime::start(double now) {
+  const Work work(*this);
   started_ = true;
   programs_.start();
   execution_.start(now);
@@ -66,6 +88,8 @@ void WorldRuntime::start(double now) {
 }
 
 bool WorldRuntime::step(double now) {
+  const Work work(*this);
+  if (execution_.budget().is_halted()) return take_changes();
   programs_.begin_step(now);
   execution_.step(now);
   requests_.refresh(refresh_.take_due());
@@ -75,6 +99,7 @@ bool WorldRuntime::step(double now) {
 }
 
 std::optional<double> WorldRuntime::next_time() const {
+  if (told_halt_) return std::nullopt;
   if (!progress_.empty() || !durations_.empty() || movies_.running()) return execution_.now();
   const std::optional<double> event = execution_.next_time(), refresh = refresh_.next_time();
   return event && refresh ? std::min(*event, *refresh) : event ? event : refresh;
@@ -83,6 +108,7 @@ std::optional<double> WorldRuntime::next_time() const {
 bool WorldRuntime::send(const vrml::SceneGraph& scene, vrml::NodeId node, std::string_view event_in,
                         const vrml::FieldValue& value) {
   if (!scene.contains(node)) return false;
+  const Work work(*this);
   const vrml::InterfaceDeclaration* event = scene.node(node).type->find_event_in(event_in);
   return event && execution_.send(scene, node, *event, value);
 }
@@ -150,6 +176,7 @@ void WorldRuntime::take_outlines(ResourceUpdates::Outlines&& update, std::vector
 }
 
 void WorldRuntime::arrive(ResourceUpdates&& updates) {
+  const Work work(*this);
   for (ResourceUpdates::Content& one : updates.contents) show_content(std::move(one));
   for (ResourceUpdates::Text& one : updates.texts) requests_.take_text(std::move(one));
   for (ResourceUpdates::Prototypes& one : updates.prototypes) take_prototypes(std::move(one));
@@ -251,6 +278,7 @@ std::vector<UrlRequest> WorldRuntime::take_url_requests() {
 std::shared_ptr<RuntimeScene> WorldRuntime::look(const glm::dvec3& viewer, bool own) {
   if (!own)
     if (auto shared = shared_.lock()) return shared;
+  const Work work(*this);
   auto scene = std::make_shared<RuntimeScene>(
       RuntimeScene{render::RenderScene(*world_.scene, world_.images, world_.geometries, meshes_), version_});
   scene->scene.gather(bound(), viewer);
@@ -259,6 +287,7 @@ std::shared_ptr<RuntimeScene> WorldRuntime::look(const glm::dvec3& viewer, bool 
 }
 
 bool WorldRuntime::show(RuntimeScene& scene, const glm::dvec3& viewer) {
+  const Work work(*this);
   (void)take_changes();
   const std::uint64_t behind = version_ - scene.version;
   scene.version = version_;

@@ -81,6 +81,8 @@ class WorldRuntime : NonCopyable {
   [[nodiscard]] vrml::Execution& execution() { return execution_; }
 
  private:
+  class Work;
+  void note_halt();
   void add_layers(const vrml::LayerSet& set, render::BoundNodes& nodes) const;
   bool take_changes();
   void note_loaded();
@@ -101,7 +103,7 @@ class WorldRuntime : NonCopyable {
   WorldMovies movies_{world_, execution_};
   UrlRefresh refresh_{execution_};
   WorldRays rays_{world_, meshes_, execution_, [this] { return bound(); }};
-  bool started_ = false;
+  bool started_ = false, told_halt_ = false;
   std::deque<std::vector<vrml::NodeChange>> batches_;  // changes of the last versions, newest last
   std::uint64_t version_ = 0;
   std::uint32_t replaced_ = 0;            // NodeLifetime::replaced() at the newest version

@@ -41,6 +41,9 @@ struct VolumeSource {
   std::vector<VolumeSource> components{};  // all numbers of a voxel, if it has several and none was chosen
   std::vector<VolumeSource> steps{};       // all steps of a time series; the source itself is one of them
   std::vector<double> times{};             // of the steps, ascending
+  std::vector<VolumeSource> coarser{};     // the same space with fewer voxels, the coarsest first
+  /// Returns a message about parts that could not be read so far; empty if there are none. May be null.
+  std::function<std::string()> trouble{};
 };
 
 }  // namespace gs::qnv

@@ -131,7 +131,7 @@ TEST_CASE("export: writes the triangles of a mesh unchanged as STL, OBJ, PLY and
 TEST_CASE("opens and encodes a foreign file or folder with a message that says what to do") {
   const ScratchFolder folder;
   std::filesystem::create_directories(folder.path("a.zarr"));
-  folder.write("a.zarr/.zgroup", "{}");
+  folder.write("a.zarr/.zgroup", "{\"zarr_format\": 2}");
   const std::string step = folder.write("part.step", "ISO-10303-21;\nHEADER;\n"), zarr = folder.path("a.zarr");
   const std::string out = quoted(folder.path("x.qnv")), picture = "--snapshot " + quoted(folder.path("x.png")) + " ";
   for (const std::string& command : {"encode " + quoted(step) + " " + out, "info " + quoted(step),
@@ -141,11 +141,10 @@ TEST_CASE("opens and encodes a foreign file or folder with a message that says w
     CHECK(result.status == kFailed);
     CHECK(result.output.find("STEP cannot be read; open it in FreeCAD") != std::string::npos);
   }
-  for (const std::string& command :
-       {"encode " + quoted(zarr) + " " + out, "info " + quoted(zarr), picture + quoted(zarr)}) {
+  for (const std::string& command : {"encode " + quoted(zarr) + " " + out, picture + quoted(zarr)}) {
     const Run result = run(command);
     INFO(command << "\n" << result.output);
     CHECK(result.status == kFailed);
-    CHECK(result.output.find("a Zarr folder cannot be read; ") != std::string::npos);
+    CHECK(result.output.find("Zarr: none of its 0 datasets can be shown") != std::string::npos);
   }
 }

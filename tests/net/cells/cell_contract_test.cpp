@@ -36,7 +36,7 @@ std::vector<ContractMessage> samples() {
   report.slots[1].slot = 7;
   report.slots[1].base_done = true;
   report.slots[1].regions = {{{1, 2, 3, 4, 5, 6}, 9}};
-  report.slots[1].wishes = {{2, 1000}, {0, 5}};
+  report.slots[1].wishes = {{{2, 1000}, 16}, {{0, 5}, 1}};
   SyncMessage sync;
   sync.session = 77;
   sync.next = std::uint64_t{1} << 40;
@@ -64,7 +64,7 @@ TEST_CASE("restores messages from their bytes", "[cell_contract]") {
   REQUIRE(request.path == "worlds/head.qnv");
   REQUIRE(request.slot == 3);
   const auto report = std::get<ReportMessage>(*decode_contract(encode_contract(samples()[5])));
-  REQUIRE(report.slots[1].wishes == std::vector<ChunkName>{{2, 1000}, {0, 5}});
+  REQUIRE(report.slots[1].wishes == std::vector<ChunkRun>{{{2, 1000}, 16}, {{0, 5}, 1}});
   REQUIRE(report.slots[1].regions[0].box == CellBox{1, 2, 3, 4, 5, 6});
   REQUIRE(report.slots[1].base_done);
 }

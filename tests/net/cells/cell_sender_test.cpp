@@ -4,6 +4,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <array>
 #include <set>
 
 namespace {
@@ -166,6 +167,40 @@ TEST_CASE("sends regions and wishes first", "[cell_sender]") {
   }
   REQUIRE(place({0, 705}) < place({0, 100}));
   REQUIRE(scene.clients[0]->got.ok);
+}
+
+TEST_CASE("sends only wishes after a request for no streams, and lost or forgotten ones again", "[cell_sender]") {
+  const auto source = std::make_shared<PatternSource>(1000, Streams{{false, 1000, 900}, {false, 3000, 900}});
+  Scene scene(server_options(), library(source));
+  Link::Options link;
+  link.latency = 20ms;
+  link.loss = 0.2;
+  scene.add(link, source, 20'000'000);
+  CellClient& client = scene.clients[0]->client;
+  CellWish none = wish();
+  none.streams = 0;
+  client.want(0, none, scene.now);
+  scene.run(scene.now + 1s);
+  const ReceivedCells& got = scene.clients[0]->got;
+  REQUIRE(got.base);
+  REQUIRE(got.pieces == 0);
+  // Two runs longer than one wish, far more than a report can name, and names of no chunk.
+  std::vector<ChunkName> names{{1, 3000}, {7, 0}};
+  for (std::uint32_t i = 0; i < 2500; ++i) names.push_back({1, 100 + i});
+  for (std::uint32_t i = 0; i < 50; ++i) names.push_back({0, 10 * i});
+  client.prefer(0, {}, names);
+  scene.run(scene.now + 8s);
+  REQUIRE(got.ok);
+  REQUIRE(got.pieces == 2550);
+  REQUIRE(got.chunk_bytes.size() == 2550);
+  // Nothing more is sent, except for forgotten chunks that are wanted again.
+  const std::array<ChunkName, 2> forgotten{ChunkName{1, 100}, ChunkName{0, 10}};
+  client.forget(0, forgotten);
+  scene.run(scene.now + 2s);
+  REQUIRE(got.pieces == 2550);
+  client.prefer(0, {}, {forgotten[1]});
+  scene.run(scene.now + 2s);
+  REQUIRE(got.pieces == 2551);
 }
 
 TEST_CASE("shares the rate between slots by weight", "[cell_sender]") {

@@ -49,7 +49,7 @@ std::pair<EventNode, std::uint32_t> EventCascade::receiver(const SceneGraph& sce
 bool EventCascade::send(const SceneGraph& scene, NodeId id, const InterfaceDeclaration& event_in,
                         const FieldValue& value) {
   const auto [node, interface] = receiver(scene, id, event_in, value);
-  if (node == 0) return false;
+  if (node == 0 || execution_.budget().is_halted()) return false;
   const FieldValue kept = value;
   receive(node, interface, kept);
   drain();
@@ -120,16 +120,22 @@ void EventCascade::drain() {
   ScriptQueue& scripts = execution_.scripts();
   do {
     scripts.begin_new();
-    while (queue_next_ < queue_.size()) {
-      deliver(queue_[queue_next_++]);
+    do {
+      while (queue_next_ < queue_.size()) {
+        deliver(queue_[queue_next_++]);
+        scripts.begin_new();
+        if (execution_.budget().is_halted()) queue_next_ = queue_.size();
+      }
+      scripts.flush();
       scripts.begin_new();
-    }
+    } while (queue_next_ < queue_.size());
     queue_.clear();
     posted_.clear();
     queue_next_ = 0;
     // Calls nodes that wait until all events are delivered. Their events join this cascade, and each eventOut causes at
     // most one such call.
     execution_.timers().call_waiting();
+    scripts.flush();
     scripts.begin_new();
     if (queue_.empty()) execution_.stacks().unbind_left();
   } while (!queue_.empty());
@@ -143,11 +149,15 @@ void EventCascade::deliver(Sent sent) {
     if (execution_.budget().spend(EventBudget::kDelivery)) receive(sent.node, sent.interface, posted_[sent.posted - 1]);
     return;
   }
+  // A program may change the value of an eventOut after its event was sent.
+  if (nodes[sent.node].waits) execution_.scripts().flush();
   const EventMember& at = nodes[sent.node];
   const FieldValue& value = nodes.own_value(sent.node, sent.interface);
   for (const auto& [who, observer] : observers_)
     observer({now_, at.scene, at.id, at.schema->interfaces[sent.interface].declaration, &value});
+  source_ = sent.node;
   walk(nodes.slot(sent.node, sent.interface).first, value);
+  source_ = 0;
 }
 
 // Delivers one event along a list of connections. Connections into PROTO instances contain nested lists. Uses an
@@ -187,6 +197,8 @@ void EventCascade::walk(std::uint32_t first, const FieldValue& value) {
 
 void EventCascade::receive(EventNode node, std::uint32_t place, const FieldValue& value) {
   EventNodes& nodes = execution_.nodes();
+  // Programs that wait must not see the effects of later events. An eventIn of a Script has none before its call.
+  if (!nodes.schema_of(node).calls_only(place)) execution_.scripts().flush();
   const EventSchema& schema = nodes.schema_of(node);
   const EventSchema::Interface& interface = schema.interfaces[place];
   Node& target = *nodes[node].node;
@@ -218,6 +230,7 @@ void EventCascade::receive(EventNode node, std::uint32_t place, const FieldValue
 // Passes an eventOut of a body node through IS to its instance. There the event continues as an event of the instance
 // (4.8.2).
 void EventCascade::pass_up(EventNode node, std::uint32_t place, const FieldValue& value) {
+  execution_.scripts().flush();
   const EventSchema::Interface& interface = execution_.nodes().schema_of(node).interfaces[place];
   if (has_sent_own(node, place) || (interface.out < 0 && interface.slot < 0)) return;
   FieldValue& kept = execution_.nodes().own_value(node, place);

@@ -8,6 +8,11 @@
 #include <utility>
 
 namespace gs::vrml {
+namespace {
+
+constexpr std::size_t kCallsBetweenLooks = 64;  // number of calls between two calls of EventBudget::look()
+
+}  // namespace
 
 void TimerQueue::run(EventNode node, bool running) {
   EventMember& at = execution_.nodes()[node];
@@ -75,7 +80,8 @@ void TimerQueue::begin_step(double now) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const EventNode node = running_[i];
-    if (nodes[node].running) nodes.behaviour_of(node).on_time(execution_, node);
+    if (i % kCallsBetweenLooks == 0) (void)execution_.budget().look();
+    if (nodes[node].running && !execution_.budget().is_halted()) nodes.behaviour_of(node).on_time(execution_, node);
     nodes[node].listed = nodes[node].running;
     if (nodes[node].running && !execution_.viewer().idle().take(node)) running_[kept++] = node;
   }
@@ -88,6 +94,9 @@ void TimerQueue::call_waiting() {
   for (std::size_t i = 0; i < looking_.size(); ++i) {
     const EventNode node = looking_[i];
     nodes[node].looking = false;
+    if (i % kCallsBetweenLooks == 0) (void)execution_.budget().look();
+    if (execution_.budget().is_halted()) continue;
+    if (nodes.type_of(node).kind != NodeType::Kind::script) execution_.scripts().flush();
     nodes.behaviour_of(node).on_time(execution_, node);
   }
   looking_.clear();

@@ -13,6 +13,7 @@ namespace {
 constexpr std::size_t kFewNodes = 256;  // minimum number of new run-time nodes for which a search for unheld nodes pays
 // Maximum number of fields and nodes that a search visits per run-time node.
 constexpr std::size_t kLooksPerNode = 16;
+constexpr std::size_t kBetweenMarks = 4096;  // number of marked nodes between two calls of EventBudget::look()
 
 bool is_script(const Node& node) { return node.type->kind == NodeType::Kind::script; }
 
@@ -37,10 +38,12 @@ class NodeLifetime::Marking {
   /// Returns the nodes that are not held.
   std::vector<NodeId> find_unheld() {
     mark_held();
+    std::size_t followed = 0;
     while (!waiting_.empty()) {
       const NodeId id = waiting_.back();
       waiting_.pop_back();
       follow(id);
+      if (++followed % kBetweenMarks == 0 && lifetime_.execution_.budget().look()) return {};
     }
     std::vector<NodeId> unheld;
     const auto look = [&](NodeId id) {
@@ -100,8 +103,7 @@ class NodeLifetime::Marking {
       for (const auto& [index, count] : held->second) mark(scene_.nodes().id_at(index));
     if (!state_.files_hold) return mark(FieldValue(scene_.roots()));
     for (const EventNode member : lifetime_.referring_)
-      if (const EventMember& at = nodes_[member]; at.scene == &scene_ && of_file(*at.node))
-        mark_values(at.id, member);
+      if (const EventMember& at = nodes_[member]; at.scene == &scene_ && of_file(*at.node)) mark_values(at.id, member);
     // Marks nodes that are held through ROUTEs to or from nodes of the file.
     for (const NodeId id : state_.at_run_time) {
       const EventNode member = scene_.contains(id) ? state_.member_of(id) : 0;
@@ -160,6 +162,7 @@ void NodeLifetime::release(const SceneGraph& scene, NodeId node) {
 
 // Searches only after many nodes were made, so that the cost per node stays constant.
 void NodeLifetime::end_cascade() {
+  if (execution_.budget().is_halted()) return;
   // A world that replaces itself at once replaces itself only once per timestamp.
   if (next_world_ && replaced_at_ != execution_.cascade().stamp()) do_replace_world();
   if (!removing_ && made_since_ >= std::max(kFewNodes, next_removal_)) (void)remove_unheld();

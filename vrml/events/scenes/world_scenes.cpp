@@ -128,7 +128,9 @@ void WorldScenes::attach_node(SceneState& state, NodeId id) {
 }
 
 void WorldScenes::attach_scene(SceneState& state) {
+  constexpr std::size_t kBetweenLooks = 1024;  // number of nodes between two calls of EventBudget::look()
   SceneGraph& scene = *state.scene;
+  EventBudget& budget = execution_.budget();
   for (const NodeId id : std::exchange(state.waiting, {}))
     if (scene.contains(id) && attach_instance(state, id) && state.lives) execution_.changes().mark_content(scene, id);
   for (; state.nodes_seen <= scene.nodes().count(); ++state.nodes_seen) {
@@ -136,10 +138,14 @@ void WorldScenes::attach_scene(SceneState& state) {
     if (!node.in_prototype_body && node.owner == 0 && !node.recycled)
       attach_node(state, scene.nodes().id_at(static_cast<std::uint32_t>(state.nodes_seen)));
   }
-  for (const NodeId id : scene.nodes().take_made())
+  std::size_t attached = 0;
+  for (const NodeId id : scene.nodes().take_made()) {
+    if (++attached % kBetweenLooks == 0 && budget.look()) break;  // a world without events needs no more
     if (scene.contains(id)) attach_node(state, id);
+  }
   std::vector<Route>& routes = scene.routes();
-  for (std::size_t i = state.routes_seen; i < routes.size(); ++i) (void)execution_.routes().add(scene, routes[i]);
+  for (std::size_t i = state.routes_seen; i < routes.size() && !budget.is_halted(); ++i)
+    (void)execution_.routes().add(scene, routes[i]);
   const auto at_run_time = [&](NodeId id) { return !scene.contains(id) || scene.node(id).owner != 0; };
   routes.erase(std::remove_if(routes.begin() + static_cast<std::ptrdiff_t>(state.routes_seen), routes.end(),
                               [&](const Route& route) { return at_run_time(route.from) || at_run_time(route.to); }),

@@ -51,7 +51,12 @@ class ArrayFile {
   /// Returns an empty text, or a message.
   [[nodiscard]] virtual std::string read(std::size_t array, std::span<const std::uint64_t> first,
                                          std::span<const std::uint64_t> count, std::span<std::byte> to) = 0;
+  /// Returns the rows of an array of characters as texts; none if it is another array, or long.
+  [[nodiscard]] virtual std::vector<std::string> texts(std::size_t array);
+  /// Returns a message about parts that could not be read so far and are shown as missing, or an empty text.
+  [[nodiscard]] virtual std::string trouble() const { return {}; }
 };
+inline std::vector<std::string> ArrayFile::texts(std::size_t) { return {}; }
 
 /// Bytes of a file, with their owner.
 struct ArrayBytes {
@@ -83,12 +88,17 @@ struct PictureDecoder {
   std::string (*decode)(std::span<const std::byte> bytes, const PictureForm& form, std::vector<std::byte>& to);
 };
 
+/// Compression of chunks that the program finds in files itself.
+enum class ChunkCodec : std::uint8_t { blosc, lz4, bzip2, xz };
+
 /// Table of readers that the module exports, under the name kDatasetModuleEntry.
 struct DatasetModule {
-  static constexpr std::uint32_t kVersion = 1;  // changes with this header
+  static constexpr std::uint32_t kVersion = 2;  // changes with this header
   std::uint32_t version = kVersion;
   std::span<const ArrayReader> readers;
   std::span<const PictureDecoder> pictures;
+  /// Unpacks bytes that become exactly those of `to`. Returns false if they do not.
+  bool (*unpack)(ChunkCodec codec, std::span<const std::byte> from, std::span<std::byte> to) = nullptr;
 };
 using DatasetModuleEntry = const DatasetModule* (*)();
 inline constexpr const char* kDatasetModuleEntry = "ghostspace_dataset_module";

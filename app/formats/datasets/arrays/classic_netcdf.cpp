@@ -282,6 +282,25 @@ class ClassicFile final : public ArrayFile {
     }
   }
 
+  std::vector<std::string> texts(std::size_t number) override {
+    constexpr std::uint64_t kMostBytes = 1 << 20;
+    if (number >= arrays_.size() || arrays_[number].type_name != "text" || arrays_[number].shape.size() != 2) return {};
+    const std::uint64_t rows = arrays_[number].shape[0], length = arrays_[number].shape[1];
+    const ClassicPlace& place = places_[number];
+    const std::uint64_t step = place.records ? record_bytes_ : length;
+    std::vector<std::string> all;
+    if (length == 0 || rows > kMostBytes / length) return {};
+    for (std::uint64_t row = 0; row < rows; ++row) {
+      const std::uint64_t at = place.begin + row * step;
+      if (at > bytes_.bytes.size() || length > bytes_.bytes.size() - at) return {};
+      const std::string_view text(reinterpret_cast<const char*>(bytes_.bytes.data() + at),
+                                  static_cast<std::size_t>(length));
+      const std::size_t end = text.substr(0, text.find('\0')).find_last_not_of(' ');
+      all.emplace_back(text.substr(0, end == std::string_view::npos ? 0 : end + 1));
+    }
+    return all;
+  }
+
  private:
   /// Returns the end of the values of a variable in the file.
   [[nodiscard]] std::uint64_t end_of(std::size_t number) const {

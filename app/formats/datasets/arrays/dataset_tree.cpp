@@ -81,6 +81,24 @@ std::optional<double> DatasetTree::number(const std::string& path, std::string_v
   return all.empty() ? std::nullopt : std::optional(all.front());
 }
 
+const std::vector<double>& DatasetTree::coordinate(const std::string& path) {
+  constexpr double kMost = 1 << 24;
+  const auto [place, is_new] = coordinates_.try_emplace(path);
+  std::vector<double>& kept = place->second;
+  const ArrayInfo* const array = is_new ? find(path) : nullptr;
+  double count = 1;
+  for (const std::uint64_t size : array ? array->shape : std::vector<std::uint64_t>())
+    count *= static_cast<double>(size);
+  if (!array || array->parts != 1 || count > kMost) return kept;
+  auto read = values(path);
+  auto* const found = std::get_if<std::vector<double>>(&read);
+  if (!found) return kept;
+  const double scale = number(path, "scale_factor").value_or(1), offset = number(path, "add_offset").value_or(0);
+  for (double& value : *found) value = value * scale + offset;
+  kept = std::move(*found);
+  return kept;
+}
+
 std::variant<std::vector<double>, std::string> DatasetTree::values(const std::string& path) {
   const ArrayInfo* const array = find(path);
   return rows(path, 0, array && !array->shape.empty() ? array->shape.front() : 1);

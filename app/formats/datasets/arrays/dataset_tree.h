@@ -42,6 +42,10 @@ class DatasetTree {
   [[nodiscard]] std::variant<std::vector<double>, std::string> rows(const std::string& path, std::uint64_t first,
                                                                     std::uint64_t count);
 
+  /// Returns the numbers of a coordinate, unpacked by `scale_factor` and `add_offset`, and keeps them; empty if they
+  /// cannot be read or are too many.
+  [[nodiscard]] const std::vector<double>& coordinate(const std::string& path);
+
   [[nodiscard]] const std::shared_ptr<ArrayFile>& file() const { return file_; }
   [[nodiscard]] const SharedBytes& content() const { return content_; }
   [[nodiscard]] const WorldBudget& budget() const { return budget_; }
@@ -52,6 +56,7 @@ class DatasetTree {
   WorldBudget budget_;
   std::map<std::string, std::size_t, std::less<>> places_;
   std::map<std::string, std::vector<ArrayAttribute>> attributes_;
+  std::map<std::string, std::vector<double>> coordinates_;
 };
 
 /// Returns the part of a path after its last slash, and the part before it ("/" for the root).

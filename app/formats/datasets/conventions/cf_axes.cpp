@@ -12,8 +12,6 @@
 namespace gs::app {
 namespace {
 
-constexpr std::uint64_t kMostCoordinates = 1 << 24;
-
 bool contains_any(std::string_view text, std::initializer_list<std::string_view> words) {
   return std::ranges::any_of(words,
                              [text](std::string_view word) { return text.find(word) != std::string_view::npos; });
@@ -112,18 +110,6 @@ std::optional<AxisRole> cf_role(DatasetTree& tree, const std::string& path, std:
   return role_by_name(name);
 }
 
-std::vector<double> cf_values(DatasetTree& tree, const std::string& path) {
-  const ArrayInfo* const array = tree.find(path);
-  if (!array || !is_readable(*array) || element_count(*array) > static_cast<double>(kMostCoordinates)) return {};
-  auto read = tree.values(path);
-  auto* const values = std::get_if<std::vector<double>>(&read);
-  if (!values) return {};
-  const double scale = tree.number(path, "scale_factor").value_or(1),
-               offset = tree.number(path, "add_offset").value_or(0);
-  for (double& value : *values) value = value * scale + offset;
-  return std::move(*values);
-}
-
 std::vector<CfAxis> cf_axes(DatasetTree& tree, const ArrayInfo& array) {
   std::vector<CfAxis> axes(array.shape.size());
   std::array<bool, static_cast<std::size_t>(AxisRole::channel) + 1> used{};
@@ -142,7 +128,7 @@ std::vector<CfAxis> cf_axes(DatasetTree& tree, const ArrayInfo& array) {
     auto role = cf_role(tree, axis.path, axis.name);
     if (role && std::exchange(used[static_cast<std::size_t>(*role)], true)) role.reset();
     axis.role = role;
-    if (has_values) axis.values = cf_values(tree, axis.path);
+    if (has_values) axis.values = tree.coordinate(axis.path);
     const std::string positive = lower_case(tree.text(axis.path, "positive"));
     axis.down = positive == "down" || (positive.empty() && (is_pressure(lower_case(axis.unit)) ||
                                                             lower_case(axis.name).find("depth") != std::string::npos));

@@ -22,8 +22,6 @@ struct CfAxis {
 [[nodiscard]] std::vector<CfAxis> cf_axes(DatasetTree& tree, const ArrayInfo& array);
 /// Returns the meaning of a coordinate by its attributes, else by its name.
 [[nodiscard]] std::optional<AxisRole> cf_role(DatasetTree& tree, const std::string& path, std::string_view name);
-/// Reads a coordinate with its scale.
-[[nodiscard]] std::vector<double> cf_values(DatasetTree& tree, const std::string& path);
 /// Returns true if a coordinate counts degrees of longitude or latitude.
 [[nodiscard]] bool is_degrees(std::string_view unit);
 

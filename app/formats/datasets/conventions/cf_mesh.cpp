@@ -84,7 +84,7 @@ class CfMeshReader {
  private:
   std::optional<std::vector<double>> numbers(const std::string& path) {
     builder_.draw(0);
-    std::vector<double> found = cf_values(tree_, path);
+    std::vector<double> found = tree_.coordinate(path);
     if (found.empty()) {
       builder_.fail(path + " cannot be read");
       failed_ = true;

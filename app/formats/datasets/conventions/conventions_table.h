@@ -18,10 +18,19 @@ void read_common_attributes(DatasetTree& tree, const ArrayInfo& array, GridSpec&
 [[nodiscard]] VolumeResult cf_volume(DatasetTree& tree, const DatasetEntry& entry, const VoxelComponent& choice);
 void cf_mesh(DatasetTree& tree, const DatasetEntry& entry, const VoxelComponent& choice, MeshBuilder& builder);
 
+[[nodiscard]] bool suits_exodus(DatasetTree& tree);
+[[nodiscard]] std::vector<DatasetEntry> list_exodus(DatasetTree& tree);
+[[nodiscard]] VolumeResult exodus_volume(DatasetTree& tree, const DatasetEntry& entry, const VoxelComponent& choice);
+void exodus_mesh(DatasetTree& tree, const DatasetEntry& entry, const VoxelComponent& choice, MeshBuilder& builder);
+
 [[nodiscard]] bool suits_vtkhdf(DatasetTree& tree);
 [[nodiscard]] std::vector<DatasetEntry> list_vtkhdf(DatasetTree& tree);
 [[nodiscard]] VolumeResult vtkhdf_volume(DatasetTree& tree, const DatasetEntry& entry, const VoxelComponent& choice);
 void vtkhdf_mesh(DatasetTree& tree, const DatasetEntry& entry, const VoxelComponent& choice, MeshBuilder& builder);
+
+[[nodiscard]] bool suits_ome(DatasetTree& tree);
+[[nodiscard]] std::vector<DatasetEntry> list_ome(DatasetTree& tree);
+[[nodiscard]] VolumeResult ome_volume(DatasetTree& tree, const DatasetEntry& entry, const VoxelComponent& choice);
 
 [[nodiscard]] bool suits_openpmd(DatasetTree& tree);
 [[nodiscard]] std::vector<DatasetEntry> list_openpmd(DatasetTree& tree);

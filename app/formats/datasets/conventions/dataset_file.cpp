@@ -1,9 +1,11 @@
 #include "app/formats/datasets/conventions/dataset_file.h"
 
+#include "app/formats/archive/zip_archive.h"
 #include "app/formats/datasets/arrays/classic_netcdf.h"
 #include "app/formats/datasets/arrays/dataset_module.h"
 #include "app/formats/datasets/conventions/conventions_table.h"
 #include "app/formats/datasets/conventions/xdmf.h"
+#include "app/formats/datasets/zarr/zarr_place.h"
 
 #include <algorithm>
 #include <cstring>
@@ -16,6 +18,8 @@ namespace {
 constexpr Convention kConventions[] = {
     {"VTKHDF", suits_vtkhdf, list_vtkhdf, vtkhdf_volume, vtkhdf_mesh},
     {"openPMD", suits_openpmd, list_openpmd, openpmd_volume, openpmd_mesh},
+    {"Exodus II", suits_exodus, list_exodus, exodus_volume, exodus_mesh},
+    {"OME-Zarr", suits_ome, list_ome, ome_volume, nullptr},
     {"CF", suits_cf, list_cf, cf_volume, cf_mesh},
     {"plain", suits_any, list_plain, plain_volume, nullptr},
 };
@@ -31,6 +35,8 @@ class TreeFile final : public DatasetFile {
   VolumeResult volume(std::size_t entry, const VoxelComponent& choice) override {
     VolumeResult result = convention_->volume(tree_, entries_[entry], choice);
     if (auto* problem = std::get_if<std::string>(&result)) *problem = entries_[entry].path + ": " + *problem;
+    if (auto* source = std::get_if<qnv::VolumeSource>(&result))
+      source->trouble = [file = tree_.file()] { return file->trouble(); };
     return result;
   }
   void mesh(std::size_t entry, const VoxelComponent& choice, MeshBuilder& builder) override {
@@ -76,6 +82,23 @@ std::string nearest_names(std::span<const DatasetEntry> entries, std::string_vie
   return text;
 }
 
+/// Opens a Zarr or N5 container through one of its metadata files, or in an archive.
+DatasetFileResult open_zarr(const VolumeFile& file) {
+  const bool lists = file.list_folder && file.list_folder(".");
+  ZarrPlace place{file.read_files, lists ? file.list_folder : nullptr, file.budget, !lists};
+  if (is_zip(file.content.bytes)) {
+    auto zipped = zarr_place_of_zip(file.content, file.budget);
+    if (auto* const problem = std::get_if<std::string>(&zipped)) return std::move(*problem);
+    place = std::move(std::get<ZarrPlace>(zipped));
+  }
+  if (!place.read) return std::string("other files are not read here");
+  auto opened = ZarrFile::open(std::move(place));
+  if (auto* const problem = std::get_if<std::string>(&opened)) return std::move(*problem);
+  auto made = std::make_unique<TreeFile>(
+      DatasetTree(std::get<std::shared_ptr<ZarrFile>>(std::move(opened)), file.content, file.budget));
+  return std::unique_ptr<DatasetFile>(std::move(made));
+}
+
 }  // namespace
 
 std::span<const Convention> conventions() { return kConventions; }
@@ -94,11 +117,13 @@ std::optional<DatasetFormat> dataset_format_of(std::string_view path, std::span<
   if (is_classic_netcdf(bytes)) return DatasetFormat::netcdf;
   const std::string name = lower_case(path);
   if (is_xdmf(bytes) || name.ends_with(".xdmf") || name.ends_with(".xmf")) return DatasetFormat::xdmf;
+  if (is_zarr(bytes)) return DatasetFormat::zarr;
   return std::nullopt;
 }
 
 DatasetFileResult open_dataset_file(DatasetFormat format, const VolumeFile& file) {
   if (format == DatasetFormat::xdmf) return open_xdmf_file(file);
+  if (format == DatasetFormat::zarr) return open_zarr(file);
   constexpr std::uint64_t kMostCache = std::uint64_t{64} << 20;
   const auto cache = static_cast<std::size_t>(std::min(file.budget->left(Resource::volumes) / 8, kMostCache));
   ArrayFileResult opened = format == DatasetFormat::netcdf

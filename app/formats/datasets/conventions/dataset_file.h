@@ -49,7 +49,7 @@ class DatasetFile {
 };
 
 /// File to open: its format, and its content as a volume's file has it.
-enum class DatasetFormat : std::uint8_t { hdf5, netcdf, xdmf };
+enum class DatasetFormat : std::uint8_t { hdf5, netcdf, xdmf, zarr };
 [[nodiscard]] bool is_hdf5(std::span<const std::byte> bytes);
 /// Returns the format that the first bytes or the name state, or nullopt.
 [[nodiscard]] std::optional<DatasetFormat> dataset_format_of(std::string_view path, std::span<const std::byte> bytes);

@@ -1,7 +1,9 @@
 #include "app/formats/datasets/arrays/array_file.h"
+#include "app/formats/datasets/module/hdf5_driver.h"
 #include "app/formats/datasets/module/hdf5_file.h"
 #include "app/formats/datasets/module/picture_decoders.h"
 #include "app/formats/datasets/module/tiff_file.h"
+#include "app/formats/datasets/module/unpack_chunk.h"
 
 namespace gs::app {
 namespace {
@@ -24,6 +26,7 @@ constexpr PictureDecoder kPictureDecoders[] = {
 
 extern "C" __attribute__((visibility("default"))) const gs::app::DatasetModule* ghostspace_dataset_module() {
   static const gs::app::DatasetModule module{gs::app::DatasetModule::kVersion, gs::app::kModuleReaders,
-                                             gs::app::kPictureDecoders};
+                                             gs::app::kPictureDecoders, gs::app::unpack_chunk};
+  { const gs::app::Hdf5Scope initialised; }  // before the process confines itself
   return &module;
 }

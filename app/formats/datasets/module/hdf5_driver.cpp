@@ -10,7 +10,7 @@
 namespace gs::app {
 namespace {
 
-constexpr const char* kMemoryName = "bytes in memory";
+constexpr const char* kMemoryName = "/bytes-in-memory";  // for a relative name, HDF5 asks for the current folder
 
 /// Bytes of a file, as the property of its driver.
 struct MemoryBytes {

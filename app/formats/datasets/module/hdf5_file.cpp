@@ -150,6 +150,28 @@ class Hdf5File final : public ArrayFile {
     return {};
   }
 
+  std::vector<std::string> texts(std::size_t number) override {
+    const Hdf5Scope scope;
+    constexpr std::uint64_t kMostBytes = 1 << 20;
+    if (number >= arrays_.size() || arrays_[number].shape.size() != 2) return {};
+    const std::uint64_t rows = arrays_[number].shape[0], length = arrays_[number].shape[1];
+    const hid_t dataset = arrays_[number].problem.empty() ? dataset_of(number) : H5I_INVALID_HID;
+    const Hdf5Handle type(dataset >= 0 ? H5Dget_type(dataset) : H5I_INVALID_HID, H5Tclose);
+    const bool characters = type && H5Tget_class(type.get()) == H5T_STRING && H5Tis_variable_str(type.get()) == 0 &&
+                            H5Tget_size(type.get()) == 1;
+    if (!characters || length == 0 || rows > kMostBytes / length) return {};
+    std::string bytes(static_cast<std::size_t>(rows * length), '\0');
+    if (H5Dread(dataset, type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) < 0) return {};
+    std::vector<std::string> all;
+    for (std::uint64_t row = 0; row < rows; ++row) {
+      const auto text =
+          std::string_view(bytes).substr(static_cast<std::size_t>(row * length), static_cast<std::size_t>(length));
+      const std::size_t end = text.substr(0, text.find('\0')).find_last_not_of(' ');
+      all.emplace_back(text.substr(0, end == std::string_view::npos ? 0 : end + 1));
+    }
+    return all;
+  }
+
  private:
   static herr_t visit(hid_t file, const char* name, const H5O_info_t* object, void* self) noexcept try {
     return static_cast<Hdf5File*>(self)->add(file, name, *object) ? 0 : 1;

@@ -15,6 +15,7 @@ namespace {
 constexpr std::chrono::minutes kOpenPatience{10};   // the limits of a world stop it earlier
 constexpr std::chrono::seconds kSlicePatience{60};  // for the slices of a request
 constexpr std::size_t kMostAskedFiles = 10'000;     // files that one header may ask for
+constexpr std::size_t kMostBatchedFiles = 1'000'000;  // files of a container, while it is opened or slices are read
 constexpr std::size_t kAheadBytes = std::size_t{1} << 20;
 constexpr std::size_t kMostAhead = 64;
 constexpr std::uint32_t kMostWasted = 2;
@@ -48,12 +49,13 @@ class VolumeChildren {
 }  // namespace
 
 RemoteVolume::RemoteVolume(std::string program, std::string path, SharedBytes file, VolumeRequest request,
-                           ReadFile read_beside, const WorldBudget& budget)
+                           ReadFile read_beside, FileBatches files, const WorldBudget& budget)
     : program_(std::move(program)),
       path_(std::move(path)),
       file_(std::move(file)),
       request_(std::move(request)),
       budget_(budget),
+      files_(std::move(files)),
       read_beside_(std::move(read_beside)) {}
 
 RemoteVolume::~RemoteVolume() { VolumeChildren::of_program().remove(this); }
@@ -74,8 +76,14 @@ std::variant<std::vector<std::byte>, std::string> RemoteVolume::start() {
   std::size_t asked = 0;
   while (const auto* const answer = std::get_if<DecodeAnswer>(&answered)) {
     if (answer->good != DecodeAnswer::kAsksForFile) break;
-    if (++asked > kMostAskedFiles) return std::string("it refers to too many files");
     const std::string reference = error_in(*answer);
+    if (is_file_request(reference)) {
+      const auto files = ++asked > kMostBatchedFiles ? std::nullopt : files_.answer(reference);
+      if (!files) return std::string("it asks for impossible files");
+      answered = process_->give_file(*files, stopped, kOpenPatience);
+      continue;
+    }
+    if (++asked > kMostAskedFiles) return std::string("it refers to too many files");
     auto known = std::ranges::find(given_, reference, &std::pair<std::string, BytesResult>::first);
     if (known == given_.end())
       known = given_.emplace(known, reference, read_beside_ ? read_beside_(reference) : BytesResult("not known"));
@@ -109,6 +117,7 @@ std::variant<qnv::VolumeSource, std::string> RemoteVolume::open(const std::share
   if (auto problem = too_large_slices(volume.layout, *self->budget_)) return std::move(*problem);
   self->held_ = Share(self->budget_, Resource::volumes);
   if (!self->held_.grow(reply->held)) return "its voxels are " + self->budget_->refusal(Resource::volumes);
+  volume.trouble = [self] { return self->trouble(); };
   self->slot_bytes_ = kAheadBytes;
   for (const qnv::VolumeSource* const source : numbered_sources(volume)) {
     Source known;
@@ -118,6 +127,11 @@ std::variant<qnv::VolumeSource, std::string> RemoteVolume::open(const std::share
     self->sources_.push_back(known);
   }
   return std::move(volume);
+}
+
+std::string RemoteVolume::trouble() const {
+  const std::lock_guard lock(mutex_);
+  return trouble_;
 }
 
 bool RemoteVolume::restart() {
@@ -179,9 +193,22 @@ RemoteVolume::Slot* RemoteVolume::request(std::size_t source, std::uint32_t firs
 bool RemoteVolume::await() {
   const std::size_t at = *pending_;
   pending_.reset();
-  const auto answered = process_->await_answer([this] { return budget_->stopped(); }, kSlicePatience);
-  const auto* const answer = std::get_if<DecodeAnswer>(&answered);
+  const auto stopped = [this] { return budget_->stopped(); };
+  auto answered = process_->await_answer(stopped, kSlicePatience);
+  const auto* answer = std::get_if<DecodeAnswer>(&answered);
+  for (std::size_t asked = 0; answer && answer->good == DecodeAnswer::kAsksForFile; ++asked) {
+    const std::string text = error_in(*answer);
+    const auto files = asked < kMostBatchedFiles && is_file_request(text) ? files_.answer(text) : std::nullopt;
+    if (!files) {
+      failed_ = true;
+      return false;
+    }
+    answered = process_->give_file(*files, stopped, kSlicePatience);
+    answer = std::get_if<DecodeAnswer>(&answered);
+  }
   Slot& slot = slots_[at];
+  if (answer && answer->good == 1)
+    if (std::string trouble = error_in(*answer); !trouble.empty()) trouble_ = std::move(trouble);
   const std::uint64_t read = answer && answer->good == 1 ? answer->count : 0;
   slot.count = static_cast<std::uint32_t>(std::min<std::uint64_t>(slot.count, read));
   return slot.count > 0;
@@ -215,7 +242,7 @@ bool RemoteVolume::read(std::size_t number, std::uint32_t slice, std::span<std::
   const bool there = slot && (pending_ != at || await());
   const auto results = there ? process_->results((at + 1) * slot_bytes_) : std::span<const std::byte>();
   if (results.empty()) {
-    failed_ = !process_->good();
+    failed_ = failed_ || !process_->good();
     return false;
   }
   const std::size_t offset = at * slot_bytes_ + (slice - slot->first) * source.slice_bytes;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/confined/decoder_process.h"
+#include "app/formats/volume/confined/file_requests.h"
 #include "app/formats/volume/confined/volume_transfer.h"
 #include "app/formats/volume/volume.h"
 #include "base/noncopyable.h"
@@ -22,14 +23,17 @@ namespace gs::app {
 /// same source. Any thread.
 class RemoteVolume : NonCopyable {
  public:
+  /// `files` reads the files of a container as long as slices are read; `read_beside` only while the volume is opened.
   RemoteVolume(std::string program, std::string path, SharedBytes file, VolumeRequest request, ReadFile read_beside,
-               const WorldBudget& budget);
+               FileBatches files, const WorldBudget& budget);
   ~RemoteVolume();
 
   /// Opens the volume in a child. Returns its sources, which `self` owns; or a message without the file name.
   [[nodiscard]] static std::variant<qnv::VolumeSource, std::string> open(const std::shared_ptr<RemoteVolume>& self);
   /// Reads a slice of a source. Returns false on failure.
   [[nodiscard]] bool read(std::size_t source, std::uint32_t slice, std::span<std::byte> to);
+  /// Returns a message about parts that could not be read so far; empty if there are none.
+  [[nodiscard]] std::string trouble() const;
   /// Ends the child, unless a thread reads. The next read starts it again. Returns true if it has ended.
   [[nodiscard]] bool park();
 
@@ -73,7 +77,9 @@ class RemoteVolume : NonCopyable {
   const SharedBytes file_;
   const VolumeRequest request_;
   const WorldBudget budget_;
-  std::mutex mutex_;      // guards the rest
+  mutable std::mutex mutex_;  // guards the rest
+  FileBatches files_;
+  std::string trouble_;
   ReadFile read_beside_;  // until the volume is open
   std::unique_ptr<DecoderProcess> process_;
   std::vector<std::pair<std::string, BytesResult>> given_;  // files that the child asked for

@@ -1,5 +1,6 @@
 #include "app/formats/volume/confined/confined_volume.h"
 
+#include "app/formats/volume/confined/file_requests.h"
 #include "app/formats/volume/confined/volume_transfer.h"
 #include "base/budget.h"
 
@@ -18,7 +19,7 @@ class VolumeOfChild final : public OpenData {
     if (!known) return {};
     const WorldBudget budget = std::make_shared<Budget>(limits_of(known->left));
     VolumeReply reply;
-    reply.volume = open_volume_file(known->path, file, known->raw, {ask, known->name, known->component}, budget);
+    reply.volume = open_volume_file(known->path, file, known->raw, {ask, known->name, known->component, files_by_asking(ask), folders_by_asking(ask)}, budget);
     reply.held = budget->used(Resource::volumes);
     std::vector<std::byte> bytes = transfer_bytes(reply);
     if (auto* const volume = std::get_if<qnv::VolumeSource>(&reply.volume)) {
@@ -27,6 +28,7 @@ class VolumeOfChild final : public OpenData {
     }
     return bytes;
   }
+  std::string trouble() const override { return volume_.trouble ? volume_.trouble() : std::string(); }
   bool read_slice(std::uint64_t source, std::uint64_t slice, std::span<std::byte> to) override {
     if (source >= sources_.size()) return false;
     const qnv::VolumeSource& one = *sources_[static_cast<std::size_t>(source)];

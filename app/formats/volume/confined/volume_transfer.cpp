@@ -82,6 +82,12 @@ class SourceReader {
     volume.times = from_.list<double>();
     require_possible(volume.times.size() == steps && std::ranges::all_of(volume.times, is_finite) &&
                      std::ranges::is_sorted(volume.times));
+    for (std::size_t left = from_.count(kLeastSource); left > 0; --left) {
+      volume.coarser.push_back(source());
+      const qnv::VolumeSource& one = volume.coarser.back();
+      require_possible(one.components.size() == volume.components.size() &&
+                       qnv::voxel_count(one.layout) <= qnv::voxel_count(volume.layout));
+    }
     return volume;
   }
 
@@ -163,6 +169,8 @@ std::vector<std::byte> transfer_bytes(const VolumeReply& reply) {
   to.value<std::uint64_t>(volume.steps.size());
   for (const qnv::VolumeSource& step : volume.steps) write_source(to, step);
   to.list(volume.times);
+  to.value<std::uint64_t>(volume.coarser.size());
+  for (const qnv::VolumeSource& one : volume.coarser) write_source(to, one);
   return to.take();
 }
 
@@ -174,6 +182,7 @@ std::vector<const qnv::VolumeSource*> numbered_sources(const qnv::VolumeSource& 
   };
   add(volume);
   for (const qnv::VolumeSource& step : volume.steps) add(step);
+  for (const qnv::VolumeSource& one : volume.coarser) add(one);
   return all;
 }
 

@@ -35,7 +35,7 @@ struct VolumeReply {
 [[nodiscard]] std::vector<std::byte> transfer_bytes(const VolumeReply& reply);
 
 /// Sources of a volume in the order of their numbers: the source itself, its components, its steps, and the components
-/// of each step behind the step.
+/// of each step behind the step; then the coarser versions in the same way.
 [[nodiscard]] std::vector<const qnv::VolumeSource*> numbered_sources(const qnv::VolumeSource& volume);
 
 /// Makes the function that reads a source of a volume in a child.

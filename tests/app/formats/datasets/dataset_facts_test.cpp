@@ -111,6 +111,27 @@ TEST_CASE("HDF5 files of others have the facts that h5py reads") { check_facts("
 
 TEST_CASE("NetCDF files of others have the facts that netCDF4 reads") { check_facts("netcdf", 35); }
 
+TEST_CASE("Exodus II files of others have the points and variables that VTK reads") {
+  const auto folder = shared_folder() / "data/exodus";
+  if (shared_folder().empty() || !std::filesystem::is_directory(folder)) {
+    WARN("the shared files are not here");
+    return;
+  }
+  VoxelComponent last = dataset_choice("aux_elem");
+  last.step = qnv::ShownStep{20, std::nullopt};
+  DatasetSample mug(file_bytes(folder / "mug.e"), "mug.e", last);
+  const MeshAsset mesh = mug.mesh();
+  CHECK(mesh.parts[0].geometry.positions.size() == 3774);
+  REQUIRE(mesh.color_key);
+  CHECK(mesh.color_key->low == Approx(0.009018163).epsilon(1e-4));
+  CHECK(mesh.color_key->high == Approx(9.991707).epsilon(1e-4));
+  DatasetSample disk(file_bytes(folder / "disk_out_ref.ex2"), "disk_out_ref.ex2", dataset_choice("/nodes/Temp"));
+  CHECK(disk.mesh().color_key->title == "Temp");
+  CHECK(disk.entries().front().shape == std::vector<std::uint64_t>{1, 8499});
+  DatasetSample box(file_bytes(folder / "box-noglom.ex2"), "box-noglom.ex2", dataset_choice("First Cell Array"));
+  CHECK(box.mesh().color_key->high == Approx(0.08076924));
+}
+
 TEST_CASE("meshes in HDF5 and XDMF files of others have the points and cells that VTK reads") {
   const auto folder = shared_folder() / "data/hdf5";
   if (shared_folder().empty() || !std::filesystem::is_directory(folder)) {

@@ -1,5 +1,7 @@
 // Tests of Scripts with programs in a confined child process.
 #include "app/script/process/program_process.h"
+
+#include "app/base/world_work.h"
 #include "tests/app/program.h"
 #include "tests/app/script/scripts.h"
 
@@ -26,7 +28,7 @@ struct InChildren {
   InChildren() { script::set_program_of_scripts(program()); }
   ~InChildren() {
     if (!all_in_children) script::set_program_of_scripts({});
-    script::set_wait_pump(nullptr);
+    set_stop_request({});
   }
 };
 
@@ -81,7 +83,7 @@ TEST_CASE("kills a child with a program that cannot be interrupted, and goes on 
 TEST_CASE("ends programs at once when the user asks for it") {
   const InChildren children;
   const auto from = std::chrono::steady_clock::now();
-  script::set_wait_pump([&] { return seconds_since(from) > 0.3; });
+  set_stop_request([&] { return seconds_since(from) > 0.3; });
   scripts::World world(world_of("function initialize() { while (true); }"));
   world.start();
   CHECK(seconds_since(from) < 2);

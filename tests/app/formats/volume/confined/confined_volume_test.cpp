@@ -56,7 +56,7 @@ void check_equal_slices(const qnv::VolumeSource& here, const qnv::VolumeSource& 
   const auto ours = numbered_sources(here), theirs = numbered_sources(there);
   REQUIRE(ours.size() == theirs.size());
   for (std::size_t i = 0; i < ours.size(); ++i)
-    for (std::uint32_t z = 0; z < here.layout.dimensions[2]; ++z)
+    for (std::uint32_t z = 0; z < ours[i]->layout.dimensions[2]; ++z)
       REQUIRE(slice_of(*ours[i], z) == slice_of(*theirs[i], z));
 }
 
@@ -296,6 +296,48 @@ TEST_CASE("a silent child does not delay a reader that is stopped") {
   CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(5));
 }
 
+// Writes an array of bytes of OME-Zarr with one chunk per layer; the chunk of layer `missing` is not written.
+void write_level(const ScratchFolder& folder, const std::string& name, int edge, int missing) {
+  const std::string size = std::to_string(edge);
+  folder.write(name + "/zarr.json",
+               "{\"zarr_format\":3,\"node_type\":\"array\",\"data_type\":\"uint8\",\"shape\":[" + size + "," + size +
+                   "," + size + "],\"chunk_grid\":{\"name\":\"regular\",\"configuration\":{\"chunk_shape\":[1," + size +
+                   "," + size +
+                   "]}},\"chunk_key_encoding\":{\"name\":\"default\"},\"fill_value\":9,\"codecs\":[{"
+                   "\"name\":\"bytes\"}]}");
+  for (int z = 0; z < edge; ++z) {
+    std::string layer;
+    for (int i = 0; i < edge * edge; ++i) layer += static_cast<char>(i * (z + 3));
+    if (z == 2) layer.resize(5);  // damaged
+    if (z != missing) folder.write(name + "/c/" + std::to_string(z) + "/0/0", layer);
+  }
+}
+
+TEST_CASE("containers of Zarr are read in a child as in this process, with coarser levels and damaged chunks") {
+  const ScratchFolder folder;
+  folder.write(
+      "image.zarr/zarr.json",
+      "{\"zarr_format\":3,\"node_type\":\"group\",\"attributes\":{\"ome\":{\"version\":\"0.5\",\"multiscales\":[{"
+      "\"axes\":[{\"name\":\"z\",\"type\":\"space\"},{\"name\":\"y\",\"type\":\"space\"},{\"name\":\"x\",\"type\":"
+      "\"space\"}],\"datasets\":[{\"path\":\"0\",\"coordinateTransformations\":[{\"type\":\"scale\",\"scale\":[1,1,1]}]"
+      "}"
+      ",{\"path\":\"1\",\"coordinateTransformations\":[{\"type\":\"scale\",\"scale\":[2,2,2]}]}]}]}}}");
+  write_level(folder, "image.zarr/0", 32, 7);
+  write_level(folder, "image.zarr/1", 16, -1);
+  for (const std::string& path : {folder.path("image.zarr"), folder.path("image.zarr/zarr.json")}) {
+    const Opened there = check_equal(path);
+    REQUIRE(std::holds_alternative<qnv::VolumeSource>(there));
+    const auto& volume = std::get<qnv::VolumeSource>(there);
+    REQUIRE(volume.coarser.size() == 1);
+    CHECK(volume.coarser.front().layout.dimensions[0] == 16);
+    CHECK(volume.coarser.front().layout.axes[0].x == 2);
+    const auto missing = slice_of(volume, 7);
+    CHECK(std::ranges::count(missing, std::byte{9}) == 32 * 32);
+    CHECK(volume.trouble().find("/0: 1 chunk cannot be read") != std::string::npos);
+    CHECK(volume.trouble().find("/1: 1 chunk cannot be read") != std::string::npos);
+  }
+}
+
 // Replies of children, and what they name: a plain volume, colours, steps and an error.
 std::vector<std::vector<std::byte>> replies() {
   std::vector<std::vector<std::byte>> all{transfer_bytes(VolumeReply{std::string("an error"), 7})};
@@ -310,7 +352,7 @@ bool has_sound_reply(std::span<const std::byte> bytes) {
   if (const auto* const volume = std::get_if<qnv::VolumeSource>(&reply->volume)) {
     for (const qnv::VolumeSource* const source : numbered_sources(*volume)) {
       CHECK_FALSE(qnv::check(source->layout));
-      CHECK(source->layout.dimensions == volume->layout.dimensions);
+      CHECK(qnv::voxel_count(source->layout) <= qnv::voxel_count(volume->layout));
     }
     CHECK(volume->times.size() == volume->steps.size());
   }

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "app/base/read_files.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+// Requests of a child for several files at once, and for lists of folders. They travel as texts where a child asks for
+// one file (child_channel.h), each request of a batch in a text of its own. The answer to the last one has all files.
+namespace gs::app {
+
+/// Returns true for the text of such a request. References of files do not look like it.
+[[nodiscard]] bool is_file_request(const std::string& text);
+
+/// Child: makes functions that ask its parent. A parent that gives impossible answers ends the process.
+[[nodiscard]] ReadFiles files_by_asking(const ReadFile& ask);
+[[nodiscard]] ListFolder folders_by_asking(const ReadFile& ask);
+
+/// Parent: collects the requests of a batch and reads their files. One thread at a time.
+class FileBatches {
+ public:
+  /// `read` and `list` may be null; then no file is read.
+  FileBatches(ReadFiles read, ListFolder list) : read_(std::move(read)), list_(std::move(list)) {}
+
+  /// Returns the answer to a text of is_file_request(). Trusts nothing: returns nullopt for texts that no honest child
+  /// sends.
+  [[nodiscard]] std::optional<BytesResult> answer(const std::string& text);
+
+ private:
+  ReadFiles read_;
+  ListFolder list_;
+  std::vector<FileRequest> batch_;
+};
+
+}  // namespace gs::app
