@@ -46,7 +46,7 @@ std::string install_hint(const SshTarget& target) {
   const std::string ssh_port = target.port ? "-p " + std::to_string(*target.port) + " " : std::string();
   const std::string scp_port = target.port ? "-P " + std::to_string(*target.port) + " " : std::string();
   return "ssh " + ssh_port + to + " mkdir -p .local/bin && scp " + scp_port + "\"$(command -v ghostspace)\" " + to +
-         ":.local/bin/";
+         ":.local/bin/ (works only with the libraries of this machine there)";
 }
 
 }  // namespace
@@ -134,7 +134,8 @@ void SshLink::run() {
   // The machine was reached, but GhostSpace did not answer.
   constexpr int kNotFound = 127;
   const std::string line = last_line_of(first.errors);
-  const std::string why = first.status == kNotFound && settings_.remote_program == SshSettings().remote_program
+  const std::string why = first.status == kNotFound && first.errors.find("shared librar") == std::string::npos &&
+                                  settings_.remote_program == SshSettings().remote_program
                               ? "GhostSpace is not installed there; install it with: " + install_hint(target_)
                           : !first.why.empty() ? first.why
                           : !ran               ? failure.message
