@@ -21,13 +21,13 @@ packages=(
   # volumes
   libexpat1-dev libhdf5-dev libblosc-dev liblz4-dev libbz2-dev liblzma-dev libtiff-dev libgdcm-dev
   # network
-  libcurl4-openssl-dev libisal-dev libmicrohttpd-dev
+  libcurl4-openssl-dev libisal-dev libmicrohttpd-dev openssh-client
   # Scripts
   libmozjs-102-dev pkg-config
   # OpenGL headers; rendering without a display
   libgl-dev libosmesa6-dev libosmesa6
   # tests
-  catch2 nginx-light python3 python3-h5py python3-netcdf4
+  catch2 nginx-light python3 openssh-sftp-server
   "$@"
 )
 

@@ -3,6 +3,7 @@
 #include "app/base/confinement.h"
 #include "app/base/console.h"
 #include "app/commands/common/shared.h"
+#include "app/serve/stdio_server.h"
 
 #include <atomic>
 #include <csignal>
@@ -22,11 +23,24 @@ std::string place(const ArchiveOptions& options, std::uint16_t port) {
 
 }  // namespace
 
+std::optional<std::string> check_serve(const ServeCommand& options) {
+  if (options.files.empty() && !options.standard_streams) return "serve: expected a folder";
+  if (options.standard_streams && (options.http_port || options.cells_port))
+    return "--stdio opens no port; leave out --http and --cells";
+  return std::nullopt;
+}
+
 int run_serve(const ServeCommand& given_options) {
   ArchiveOptions options = given_options;
-  options.folder = given_options.files.front();
+  if (!given_options.files.empty()) options.folder = given_options.files.front();
   if (!options.http_port && !options.cells_port) options.http_port = kHttpPort;
   options.report = [](const std::string& message) { complain("ghostspace: %s", message.c_str()); };
+  if (options.standard_streams) {
+    options.http_port.reset();
+    options.log.clear();
+    const auto problem = serve_standard_streams(options);
+    return problem ? fail(*problem) : kDone;
+  }
   // Block the signals before other threads start. All threads inherit this, so only sigwait below receives the signals.
   sigset_t signals, before;
   sigemptyset(&signals);

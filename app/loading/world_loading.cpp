@@ -1,14 +1,16 @@
 #include "app/loading/world_loading.h"
 
-#include "app/formats/datasets/zarr/zarr_place.h"
-#include "app/formats/volume/volume_common.h"
 #include "app/base/local_file.h"
+#include "app/formats/datasets/zarr/zarr_place.h"
+#include "app/formats/streamed_names.h"
 #include "app/formats/volume/volume.h"
+#include "app/formats/volume/volume_common.h"
 #include "app/loading/content/outline_handler.h"
 #include "app/loading/content/scene_handler.h"
 #include "app/loading/fetch/importance.h"
 #include "app/loading/fetch/loading.h"
 #include "net/files/standard_input.h"
+#include "net/serve/served_folder.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -18,6 +20,21 @@ namespace gs::app {
 namespace {
 
 constexpr glm::dvec3 kViewer{0, 0, 10};  // assumed before the world runs
+
+// Returns the URL of the stream of a large file, which a server that is reached by ssh encodes next to the file.
+// Returns nullopt if the file itself must be read.
+std::optional<net::Url> stream_of(const net::Url& url, const LoadOptions& options) {
+  constexpr std::uint64_t kWorthEncoding = std::uint64_t{8} << 20;
+  if (url.scheme != "ssh" || url.has_query || !(options.by_view || options.large_by_view)) return std::nullopt;
+  const std::size_t slash = url.path.rfind('/') + 1;
+  const std::string name = url.path.substr(slash), streamed = streamed_name(name);
+  if (streamed == name) return std::nullopt;
+  net::Url stream = url;
+  stream.path = url.path.substr(0, slash) + streamed;
+  stream.has_query = true;
+  stream.query = net::kLeastSizeQuery + std::to_string(kWorthEncoding);
+  return stream;
+}
 
 }  // namespace
 
@@ -61,7 +78,16 @@ void WorldLoading::State::start() {
     loading.fetcher.set_policy(policy_of_world(place, loading.options.allowed));
   } else {
     for (const std::string& entry : zarr_entries_of_url(asked_path)) first->candidates.push_back(net::parse_url(entry));
-    if (first->candidates.empty()) first->candidates = {asked};
+    net::ReferencePolicy policy;
+    if (asked.scheme == "ssh") policy.allow_ssh(asked);
+    if (first->candidates.empty()) {
+      first->candidates = {asked};
+      if (const auto stream = stream_of(asked, loading.options)) {
+        first->candidates.insert(first->candidates.begin(), *stream);
+        first->optional = 1;
+      }
+    }
+    loading.fetcher.set_policy(std::move(policy));
   }
   first->max_bytes = loading.options.max_bytes;
   first->handler = root;

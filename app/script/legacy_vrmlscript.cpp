@@ -146,7 +146,7 @@ ProgramPlace program_place(std::string_view url) {
   if (ends_with(".class") || ends_with(".jar") || net::has_scheme(url, "java")) return {ProgramPlace::Kind::java, {}};
   if (url.empty()) return {};
   // A scheme that is not in this list is the name of an unknown language.
-  constexpr std::string_view kPlaces[] = {"http", "https", "file", "ftp", "data", "memory", "cells", "urn"};
+  constexpr std::string_view kPlaces[] = {"http", "https", "file", "ftp", "data", "memory", "cells", "ssh", "urn"};
   const std::string_view scheme = url.substr(0, url.find_first_of(":/.?#\n\\ "));
   if (scheme.size() > 1 && scheme.size() < url.size() && url[scheme.size()] == ':' &&
       std::none_of(std::begin(kPlaces), std::end(kPlaces),

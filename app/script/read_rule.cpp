@@ -3,7 +3,7 @@
 namespace gs::app::script {
 namespace {
 
-bool is_network(const net::Origin& origin) { return !origin.is_user() && !origin.is_file(); }
+bool is_network(const net::Origin& origin) { return origin.is_network(); }
 
 bool same_text_or_site(const net::Origin& a, const net::Origin& b) {
   return is_network(a) && is_network(b) ? a.site() == b.site() : a.url == b.url;

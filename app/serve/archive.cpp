@@ -4,6 +4,7 @@
 #include "app/serve/archive_index.h"
 #include "app/serve/cell_archive.h"
 #include "app/serve/child_program.h"
+#include "app/serve/folder_world.h"
 #include "net/base/host_names.h"
 
 #include <algorithm>
@@ -15,6 +16,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Maximum wait of the user of an account for a made file.
+constexpr std::chrono::minutes kOwnWait{30};
+
 // Runs the program that makes a file, in a separate process without network and with access only to the served folder.
 // This confinement is needed because files and clients are untrusted.
 std::optional<net::MakeFailure> run_confined(const std::string& program, const std::string& served,
@@ -25,6 +29,12 @@ std::optional<net::MakeFailure> run_confined(const std::string& program, const s
   const auto failure = run_child(program, arguments, limits, stop);
   if (!failure) return std::nullopt;
   return net::MakeFailure{failure->message, failure->lasting};
+}
+
+// Returns the folder that a program may read to make a file from `source`. In an account that is served as a whole,
+// this is the folder of the file.
+std::string readable_folder(const std::string& source, const std::string& served) {
+  return served.empty() ? fs::path(source).parent_path().string() : served;
 }
 
 net::Maker thumbnail_maker(const std::string& program, const std::string& served) {
@@ -40,8 +50,8 @@ net::Maker thumbnail_maker(const std::string& program, const std::string& served
   maker.make = [program, served](const std::string& source, const std::string& out, const std::stop_token& stop) {
     ChildLimits limits;
     limits.time = std::chrono::seconds(60);
-    return run_confined(program, served, {"--snapshot", out, "--size", "320x240", "--timeout", "15", "--", source},
-                        limits, stop);
+    return run_confined(program, readable_folder(source, served),
+                        {"--snapshot", out, "--size", "320x240", "--timeout", "15", "--", source}, limits, stop);
   };
   return maker;
 }
@@ -62,23 +72,36 @@ net::Maker stream_maker(const std::string& program, const std::string& served) {
     ChildLimits limits;
     limits.time = std::chrono::minutes(30);
     limits.memory = std::uint64_t{8} << 30;
-    return run_confined(program, served, {"encode", "--timeout", "600", "--", source, out}, limits, stop);
+    return run_confined(program, readable_folder(source, served), {"encode", "--timeout", "600", "--", source, out},
+                        limits, stop);
   };
   return maker;
 }
 
-// Creates the folder for made files. Returns the error, or nullopt.
+// Creates the folder for made files. Returns the error, or nullopt. An empty `served` means all files.
 std::optional<std::string> prepare(const std::string& cache, const std::string& served) {
   std::error_code error;
   fs::create_directories(cache, error);
   if (error || !fs::is_directory(cache, error)) return cache + ": the cache folder cannot be created";
   fs::permissions(cache, fs::perms::owner_all, error);
+  if (served.empty()) return std::nullopt;
   const std::string inner = fs::canonical(cache, error).string();
   const std::string outer = error ? std::string() : fs::canonical(served, error).string();
   if (error) return served + ": cannot be found: " + error.message();
   if (inner == outer || inner.starts_with(outer == "/" ? outer : outer + "/"))
     return cache + " is inside the served folder; expected another folder for the cache";
   return std::nullopt;
+}
+
+// Sets the options of a server without a port: its only client is the user of this account.
+void serve_connected(net::HttpServerOptions& http, bool whole) {
+  http.bind = "*";  // the other end may use any name
+  http.listen = false;
+  http.patient = true;
+  http.limits.requests_per_second = 0;
+  if (!whole) return;
+  http.to_owner = true;
+  if (const char* home = std::getenv("HOME"); home && home[0] == '/') http.home = home;
 }
 
 std::string cell_metrics(const net::CellServerStatistics& cells) {
@@ -110,7 +133,8 @@ std::string archive_cache_folder() {
 
 std::variant<std::unique_ptr<Archive>, std::string> Archive::start(const ArchiveOptions& options) {
   std::error_code folder_error;
-  if (!fs::is_directory(options.folder, folder_error))
+  const bool whole = options.folder.empty() && options.standard_streams;
+  if (!whole && !fs::is_directory(options.folder, folder_error))
     return options.folder + (fs::exists(options.folder, folder_error) ? ": not a folder" : ": no such folder") +
            "; expected a folder to serve";
   std::unique_ptr<Archive> archive(new Archive());
@@ -132,18 +156,19 @@ std::variant<std::unique_ptr<Archive>, std::string> Archive::start(const Archive
     if (auto* problem = std::get_if<net::UdpError>(&started)) return problem->message;
     archive->cells_ = std::move(std::get<std::unique_ptr<net::CellServerDriver>>(started));
   }
-  if (!options.http_port) return archive;
+  if (!options.http_port && !options.standard_streams) return archive;
   net::HttpServerOptions http;
-  http.folder = options.folder;
+  http.folder = whole ? "/" : options.folder;
   http.bind = options.bind;
-  http.port = *options.http_port;
+  http.port = options.http_port.value_or(0);
+  if (options.standard_streams) serve_connected(http, whole);
   http.limits.total_rate = rate / 8;
   http.max_age = options.max_age;
   http.type_of = served_type_of;
   http.host_names = options.host_names;
   http.proxies = options.proxies;
   const auto address = net::ip_address_of(options.bind);
-  const bool for_us_alone = address && net::is_loopback(*address);
+  const bool for_us_alone = options.standard_streams || (address && net::is_loopback(*address));
   http.origins = options.origins.value_or(for_us_alone ? std::vector<std::string>() : std::vector<std::string>{"*"});
   http.made_folder = options.cache.empty() ? archive_cache_folder() : options.cache;
   const bool make = options.make && !http.made_folder.empty();
@@ -151,15 +176,22 @@ std::variant<std::unique_ptr<Archive>, std::string> Archive::start(const Archive
   if (make) {
     if (auto problem = prepare(http.made_folder, options.folder)) return *problem;
     std::error_code error;
-    const std::string served = fs::canonical(options.folder, error).string();
+    const std::string served = whole ? std::string() : fs::canonical(options.folder, error).string();
     http.makers.push_back(thumbnail_maker(options.program, served));
     http.makers.push_back(stream_maker(options.program, served));
+    if (options.standard_streams)
+      for (net::Maker& maker : http.makers) maker.wait = kOwnWait;
   }
-  const std::string name = fs::canonical(options.folder, folder_error).filename().string();
-  http.list = [make, name = name.empty() ? std::string("Archive") : name](const net::FolderListing& listing,
-                                                                          const net::FolderRequest& request) {
-    return archive_index(listing, request, make, name);
-  };
+  const std::string name = fs::canonical(http.folder, folder_error).filename().string();
+  if (options.standard_streams)
+    http.list = [make](const net::FolderListing& listing, const net::FolderRequest& request) {
+      return request.json ? archive_index(listing, request, make) : folder_world(listing, make);
+    };
+  else
+    http.list = [make, name = name.empty() ? std::string("Archive") : name](const net::FolderListing& listing,
+                                                                            const net::FolderRequest& request) {
+      return archive_index(listing, request, make, name);
+    };
   http.missing = [make](const std::string& missing, const net::FolderRequest& request) {
     return scene_link_page(missing, request, make);
   };

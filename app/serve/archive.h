@@ -16,7 +16,8 @@ namespace gs::app {
 
 /// Options of the command `serve`.
 struct ArchiveOptions {
-  std::string folder;
+  std::string folder;             // empty, for `standard_streams` only: all files of this account
+  bool standard_streams = false;  // true serves the connections of Archive::adopt() only
   std::optional<std::uint16_t> http_port,
       cells_port;  // 0 means any free port; nullopt means that the protocol is off
   std::string bind = "127.0.0.1";  // "*" means all interfaces
@@ -44,6 +45,8 @@ class Archive {
   [[nodiscard]] static std::variant<std::unique_ptr<Archive>, std::string> start(const ArchiveOptions& options);
   [[nodiscard]] std::optional<std::uint16_t> http_port() const;
   [[nodiscard]] std::optional<std::uint16_t> cells_port() const;
+  /// Serves a connected socket, if `standard_streams`. Any thread.
+  void adopt(net::Descriptor socket) { http_->adopt(std::move(socket)); }
   /// Returns the HTTP server; null if HTTP is off.
   [[nodiscard]] const net::HttpServer* http() const { return http_.get(); }
   /// Stops serving. Running transfers may continue for the time `grace`.

@@ -115,13 +115,6 @@ std::string json_page(const net::FolderListing& listing, bool made) {
   return page.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
-// Returns the name that a click on a file opens: for a format other than VRML that can be encoded, the made stream;
-// else the file.
-std::string opened_name(const std::string& name, bool made) {
-  const ContentType* type = content_type_by_name(name);
-  return type && made && type->content != ContentClass::vrml && can_be_encoded(name) ? name + ".qnv" : name;
-}
-
 // Formats a date from year to minute, so that dates are easily compared. Uses UTC, because the time zone of the client
 // is unknown.
 std::string readable_date(std::int64_t unix_seconds) {
@@ -193,7 +186,7 @@ std::string html_row(const IndexRow& shown, bool made) {
   const net::FolderEntry& entry = shown.entry;
   const std::string url = link(entry.name, entry.folder);
   const bool opens = !entry.folder && content_type_by_name(entry.name);
-  const std::string scene = link(opened_name(entry.name, made) + std::string(kLinkExtension), false);
+  const std::string scene = link((made ? streamed_name(entry.name) : entry.name) + std::string(kLinkExtension), false);
   const std::string target = opens ? scene : url;
   std::string row = "<tr><td class=\"picture\">";
   if (made && opens)
@@ -276,11 +269,6 @@ net::ServedType served_type_of(std::string_view name) {
   if (const ContentType* type = extension.empty() ? nullptr : content_type_by_name(name))
     return {std::string(type->mime), lists(kTexts, extension)};
   return {};
-}
-
-bool can_be_encoded(std::string_view name) {
-  const ContentType* type = content_type_by_name(name);
-  return type && type->content != ContentClass::stream;
 }
 
 net::FolderPage archive_index(const net::FolderListing& listing, const net::FolderRequest& request, bool made,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/formats/content_types.h"
+#include "app/formats/streamed_names.h"
 #include "net/serve/http_server.h"
 
 #include <optional>
@@ -12,9 +13,6 @@ namespace gs::app {
 /// Returns the MIME type that a server sends for a file name, and whether gzip saves bytes. Searches the content types
 /// of the program, then common types of the web. Returns application/octet-stream for other names.
 [[nodiscard]] net::ServedType served_type_of(std::string_view name);
-
-/// Returns true if a file of this name can be encoded as a QNV stream.
-[[nodiscard]] bool can_be_encoded(std::string_view name);
 
 /// Returns the page of a folder, as HTML without scripts or as JSON. `name` is the name of the served folder. If
 /// `made`, the page has thumbnails of worlds and links to made streams. Names may contain any bytes.

@@ -23,6 +23,9 @@ std::string known_schemes(bool from_network_only) {
   return result;
 }
 
+/// Reference from a document to its folder.
+constexpr std::string_view kThisFolder = "./";
+
 bool has_password(const Url& url) { return url.authority.find('@') != std::string::npos; }
 
 bool lies_in(const std::string& path, const std::string& folder) {
@@ -54,6 +57,31 @@ void ReferencePolicy::allow(const std::string& path) {
   if (!error && std::find(allowed_.begin(), allowed_.end(), real) == allowed_.end()) allowed_.push_back(real);
 }
 
+void ReferencePolicy::allow_ssh(const Url& document) {
+  if (const auto canonical = canonical_url(document))
+    allowed_ssh_.push_back(resolve(*canonical, parse_url(kThisFolder)));
+}
+
+std::string ReferencePolicy::ssh_folder(const Origin& from, const Url& to) const {
+  if (from.is_user()) return {};
+  const auto target = canonical_url(resolve(Url{}, to));
+  const auto holds = [&target](const Url& folder) {
+    return target && folder.authority == target->authority && target->path.starts_with(folder.path);
+  };
+  const Url own = resolve(canonical_url(parse_url(from.url)).value_or(Url{}), parse_url(kThisFolder));
+  // Prefer the larger folder of the opened world.
+  for (const Url& folder : allowed_ssh_)
+    if (folder.authority == own.authority && holds(folder)) return folder.path;
+  return holds(own) ? own.path : std::string();
+}
+
+std::optional<ReferenceRefusal> ReferencePolicy::refuse_ssh(const Origin& from, const Url& to) const {
+  if (!from.is_ssh()) return ReferenceRefusal{"only the user may open ssh: URLs; a document may not refer to them", {}};
+  // The server refuses encoded slashes and dots, which could lead out of the folder.
+  if (!ssh_folder(from, to).empty()) return std::nullopt;
+  return ReferenceRefusal{"it lies outside of the world's folder on its host", {}};
+}
+
 std::optional<ReferenceRefusal> ReferencePolicy::refuse(const Origin& from, const Url& to) const {
   const Scheme* const target = find_scheme(to.scheme);
   if (!target) {
@@ -67,6 +95,7 @@ std::optional<ReferenceRefusal> ReferencePolicy::refuse(const Origin& from, cons
     return ReferenceRefusal{"it has no host or an invalid port; expected " + to.scheme + "://HOST:PORT/PATH", {}};
   if (from.is_user()) return std::nullopt;
   if (target->transport == TransportKind::file) return refuse_file(from, path_of_url(to));
+  if (target->name == "ssh") return refuse_ssh(from, *named);
   Url own = parse_url(from.url);
   if (auto canonical = canonical_url(own)) own = std::move(*canonical);
   if (!from.is_file() && !target->from_network)

@@ -20,6 +20,10 @@ struct Origin {
   [[nodiscard]] bool is_user() const { return url.empty(); }
   /// Reports whether the origin is a file of this machine. All other origins except the user are untrusted.
   [[nodiscard]] bool is_file() const { return has_scheme(url, "file"); }
+  /// Reports whether the origin is a file of an account that is reached by ssh.
+  [[nodiscard]] bool is_ssh() const { return has_scheme(url, "ssh"); }
+  /// Reports whether the document came from a server, and not from files that the user may read.
+  [[nodiscard]] bool is_network() const { return !is_user() && !is_file() && !is_ssh(); }
   /// Returns the site of the origin. Documents of a site may refer to their own site. All files are one site.
   [[nodiscard]] std::string site() const;
   /// Returns the most private space to which the document may refer.
@@ -41,6 +45,8 @@ class ReferencePolicy {
   /// Allows all files to refer to `path`, a file or a folder with its contents. Follows links now. Does nothing if the
   /// path does not exist.
   void allow(const std::string& path);
+  /// Allows documents of an account to refer to the folder of this ssh: URL, with its contents.
+  void allow_ssh(const Url& document);
 
   /// Returns the reason why a document from `from` may not refer to `to`. Returns nullopt if it may. Reads the disk if
   /// `to` is a file.
@@ -48,9 +54,15 @@ class ReferencePolicy {
   /// Checks a reference to a file, after links in `path` are followed. Returns nullopt if the file does not exist:
   /// opening the file reports that error.
   [[nodiscard]] std::optional<ReferenceRefusal> refuse_file(const Origin& from, const std::string& path) const;
+  /// Returns the folder in which an ssh: URL must lie after links are followed, as the path of a URL. Empty means that
+  /// links may lead anywhere, because the user asks.
+  [[nodiscard]] std::string ssh_folder(const Origin& from, const Url& to) const;
 
  private:
+  [[nodiscard]] std::optional<ReferenceRefusal> refuse_ssh(const Origin& from, const Url& to) const;
+
   std::vector<std::string> allowed_;  // canonical paths
+  std::vector<Url> allowed_ssh_;      // folders
 };
 
 /// Returns the reason why a document with this reach may not read from a host in the space `host`. Returns nullopt if

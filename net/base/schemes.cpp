@@ -13,6 +13,7 @@ constexpr std::array kSchemes{
     Scheme{"http", TransportKind::http, Lane::network, true, true, true, false, true, true, 80},
     Scheme{"https", TransportKind::http, Lane::network, true, true, true, true, true, true, 443},
     Scheme{"ftp", TransportKind::http, Lane::network, true, false, false, false, true, true, 21},
+    Scheme{"ssh", TransportKind::http, Lane::network, false, false, true, true, true, true, 0},
     Scheme{"cells", TransportKind::cells, Lane::network, true, false, false, false, true, true, 0},
     Scheme{"memory", TransportKind::memory, Lane::network, true, false, true, false, true, false, 0},
 };
@@ -36,7 +37,9 @@ std::optional<Url> canonical_url(Url url) {
   std::string authority = at == std::string::npos ? std::string() : url.authority.substr(0, at + 1);
   const bool bracketed = url.authority.substr(authority.size()).starts_with('[');
   if (bracketed) authority += '[';
-  for (const char c : place->host) authority += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  // The configuration of ssh distinguishes upper and lower case in names of hosts.
+  const bool folds = url.scheme != "ssh";
+  for (const char c : place->host) authority += folds && c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   if (bracketed) authority += ']';
   if (place->port && *place->port != scheme->port) authority += ":" + std::to_string(*place->port);
   url.authority = std::move(authority);

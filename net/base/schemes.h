@@ -10,7 +10,8 @@
 
 namespace gs::net {
 
-/// Transport of a scheme. `http` includes all schemes that libcurl handles, also FTP.
+/// Transport of a scheme. `http` includes all schemes that libcurl handles, also FTP and HTTP
+/// over ssh.
 enum class TransportKind { file, http, data, cells, memory };
 
 /// Loader thread that handles a scheme. Reads from disks may block; network transfers may not.

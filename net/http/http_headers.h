@@ -9,6 +9,10 @@
 
 namespace gs::net {
 
+/// Field of a request of our own with the path of a folder that links in the target must not leave. Servers that serve
+/// an account to its owner obey it.
+inline constexpr const char* kWithinField = "GhostSpace-Within";
+
 /// Validators of a resource: entity tag and date of modification (RFC 9110 8.8), as received.
 struct Validator {
   std::string etag;

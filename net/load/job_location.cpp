@@ -75,7 +75,10 @@ std::variant<Url, LoadError> JobLocation::redirect_target(const std::string& loc
   const Scheme* const scheme = find_scheme(target.scheme);
   // memory: URLs may redirect to memory: URLs, for tests.
   const bool within_memory = scheme && scheme == scheme_ && scheme->transport == TransportKind::memory;
-  if (!scheme || (!scheme->redirect_target && !within_memory))
+  // A folder is redirected to its URL with a slash.
+  const bool within_account =
+      scheme && scheme == scheme_ && scheme->name == "ssh" && target.authority == parse_url(url_).authority;
+  if (!scheme || (!scheme->redirect_target && !within_memory && !within_account))
     return LoadError{LoadErrorKind::forbidden,
                      "the server redirects to " + url_for_messages(target.text()) + "; expected http or https", 0};
   // The redirect has the same rights as a document of that server.

@@ -79,6 +79,8 @@ TransferRequest LoadJob::describe(const Fetch& fetch) const {
   result.url = location_.url();
   result.accept = request_.accept;
   result.reach = location_.reach();
+  if (location_.scheme() && location_.scheme()->name == "ssh")
+    result.within = context_.options.policy.ssh_folder(request_.from, parse_url(location_.url()));
   const bool all = fetch.position == 0 && fetch.range.end == kOpenEnd;
   if (!all) result.range = ByteRange{fetch.position, fetch.range.end};
   if (fetch.conditional && cache_.has_entry()) {

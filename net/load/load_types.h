@@ -142,6 +142,8 @@ struct LoaderOptions {
   std::function<std::uint64_t()> random;  // returns 64 random bits; called on the network thread only
   std::function<std::int64_t()> unix_seconds;  // time for the cache; called on the network thread only
   std::string user_agent = "GhostSpace";
+  std::string remote_program = "ghostspace";               // as in remote_serve_command()
+  std::function<void(const std::string& message)> report;  // receives messages of ssh; any thread; may be empty
   std::string ca_file;  // file of trusted certificates; empty means the system's certificates
   bool proxy_from_environment = true;  // reads http_proxy, https_proxy and no_proxy
   // Makes the transport for memory: URLs. Called on the network thread. Null means that the scheme is not supported.

@@ -25,6 +25,7 @@ struct TransferRequest {
   std::string if_modified_since;   // request status 304 if the resource has not changed since this date
   std::string accept;
   AddressSpace reach = AddressSpace::special;  // most private space in which the host may be
+  std::string within;  // ssh: path of the folder that links in the path must not leave; empty means no limit
 };
 
 /// Result of a transfer. Without an error, the whole announced body was delivered.
@@ -79,7 +80,7 @@ class Waiter : NonCopyable {
   virtual void wake() = 0;
 };
 
-/// Transport for http, https and ftp by libcurl. As a Waiter, it also waits for its own sockets.
+/// Transport for http, https, ftp and ssh by libcurl. As a Waiter, it also waits for its own sockets.
 class HttpTransport : public Transport, public Waiter {
  public:
   /// Limits the total bandwidth in bytes per second from the next step; 0 means unlimited. Any thread.

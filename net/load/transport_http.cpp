@@ -16,6 +16,7 @@
 #include "net/http/http_proxy.h"
 #include "net/limits/shared_rate.h"
 #include "net/load/curl_failures.h"
+#include "net/load/ssh_transfers.h"
 #include "net/load/transport.h"
 
 namespace gs::net {
@@ -92,6 +93,7 @@ class CurlTransport final : public HttpTransport {
     std::string refused_url;  // reason why no connection is opened
     bool proxied = false;                        // the proxy resolves the host
     bool by_ftp = false;
+    std::shared_ptr<SshLink> ssh;  // null for other schemes
     std::uint64_t left = 0;  // remaining bytes of an FTP file
     bool head_done = false, discarding = false, enough = false;
     bool wants_pause = false, paused = false, over = false;
@@ -115,6 +117,7 @@ class CurlTransport final : public HttpTransport {
   /// Refuses to connect to addresses that the document may not reach.
   static curl_socket_t open_socket_callback(void* user, curlsocktype, curl_sockaddr* address) {
     auto& transfer = *static_cast<Transfer*>(user);
+    if (transfer.ssh) return transfer.ssh->connect().release();
     if (!transfer.proxied && !transfer.transport->may_reach(transfer, ip_address_of(&address->addr)))
       return CURL_SOCKET_BAD;
     const int socket = ::socket(address->family, address->socktype | SOCK_CLOEXEC, address->protocol);
@@ -128,10 +131,14 @@ class CurlTransport final : public HttpTransport {
   /// Checks the host's address before each request, also on a reused connection.
   static int request_callback(void* user, char* address, char*, int, int) {
     auto& transfer = *static_cast<Transfer*>(user);
-    if (transfer.proxied) return CURL_PREREQFUNC_OK;
+    if (transfer.proxied || transfer.ssh) return CURL_PREREQFUNC_OK;
     return transfer.transport->may_reach(transfer, ip_address_of(std::string(address ? address : "")))
                ? CURL_PREREQFUNC_OK
                : CURL_PREREQFUNC_ABORT;
+  }
+
+  static int socket_callback(void* user, curl_socket_t, curlsocktype) {
+    return static_cast<Transfer*>(user)->ssh ? CURL_SOCKOPT_ALREADY_CONNECTED : CURL_SOCKOPT_OK;
   }
 
   static int progress_callback(void* user, curl_off_t, curl_off_t, curl_off_t, curl_off_t) {
@@ -142,6 +149,7 @@ class CurlTransport final : public HttpTransport {
   bool may_reach(Transfer& transfer, const std::optional<IpAddress>& address) const;
   void set_options(Transfer& transfer, const TransferRequest& request);
   void set_ftp_options(Transfer& transfer);
+  void set_ssh_options(Transfer& transfer, const Url& url);
   bool on_header(Transfer& transfer, std::string_view line);
   bool tell_head(Transfer& transfer);
   bool begin_file(Transfer& transfer);
@@ -157,6 +165,8 @@ class CurlTransport final : public HttpTransport {
   }
   void remove_over();
   [[nodiscard]] Milliseconds patience(const Transfer& transfer) const {
+    // The server may encode a large file first. The link itself notices a lost connection.
+    if (transfer.ssh && !transfer.head_done) return std::max<Milliseconds>(kEncodingTime, options_.head_timeout);
     return transfer.head_done ? options_.stall_timeout : options_.head_timeout;
   }
 
@@ -201,14 +211,17 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
     transfer.refused_url = "it has no host or an invalid port";
     return;
   }
-  const std::string url = canonical->text();
+  if (canonical->scheme == "ssh") set_ssh_options(transfer, *canonical);
+  if (!transfer.refused_url.empty()) return;
+  const std::string url = transfer.ssh ? http_of_ssh(*canonical) : canonical->text();
   curl().curl_easy_setopt(easy, CURLOPT_URL, url.c_str());
   transfer.by_ftp = canonical->scheme == "ftp";
   curl().curl_easy_setopt(easy, CURLOPT_PROTOCOLS_STR, transfer.by_ftp ? "ftp" : "http,https");
   // The loader follows redirects, because it checks each redirect and searches the cache for its target.
   curl().curl_easy_setopt(easy, CURLOPT_FOLLOWLOCATION, 0L);
-  curl().curl_easy_setopt(easy, CURLOPT_HTTP_VERSION, static_cast<long>(CURL_HTTP_VERSION_2TLS));
-  curl().curl_easy_setopt(easy, CURLOPT_PIPEWAIT, 1L);
+  curl().curl_easy_setopt(easy, CURLOPT_HTTP_VERSION,
+                          static_cast<long>(transfer.ssh ? CURL_HTTP_VERSION_1_1 : CURL_HTTP_VERSION_2TLS));
+  curl().curl_easy_setopt(easy, CURLOPT_PIPEWAIT, transfer.ssh ? 0L : 1L);
   curl().curl_easy_setopt(easy, CURLOPT_NOSIGNAL, 1L);
   curl().curl_easy_setopt(easy, CURLOPT_QUICK_EXIT, 1L);  // do not wait for a name server when a transfer ends
   curl().curl_easy_setopt(easy, CURLOPT_SUPPRESS_CONNECT_HEADERS, 1L);
@@ -221,8 +234,9 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
   curl().curl_easy_setopt(easy, CURLOPT_PRIVATE, &transfer);
   if (!options_.ca_file.empty()) curl().curl_easy_setopt(easy, CURLOPT_CAINFO, options_.ca_file.c_str());
   // A proxy would answer FTP with HTTP, so use none for FTP.
-  const std::string proxy =
-      options_.proxy_from_environment && !transfer.by_ftp ? proxy_of(*canonical, environment_variable) : std::string();
+  const std::string proxy = options_.proxy_from_environment && !transfer.by_ftp && !transfer.ssh
+                                ? proxy_of(*canonical, environment_variable)
+                                : std::string();
   curl().curl_easy_setopt(easy, CURLOPT_PROXY, proxy.c_str());
   curl().curl_easy_setopt(easy, CURLOPT_NOPROXY, "");
   transfer.proxied = !proxy.empty();
@@ -260,7 +274,19 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
   add("If-None-Match", request.if_none_match);
   add("If-Modified-Since", request.if_modified_since);
   add("Accept", request.accept);
+  if (transfer.ssh) add(kWithinField, request.within);
   curl().curl_easy_setopt(easy, CURLOPT_HTTPHEADER, transfer.headers.get());
+}
+
+/// Sets options for HTTP over ssh. The name of the link keeps connections of different links apart.
+void CurlTransport::set_ssh_options(Transfer& transfer, const Url& url) {
+  CURL* const easy = transfer.easy.get();
+  transfer.refused_url = find_ssh_link(url, options_, transfer.ssh).value_or("");
+  if (!transfer.ssh) return;
+  transfer.space = kSshSpace;
+  curl().curl_easy_setopt(easy, CURLOPT_ABSTRACT_UNIX_SOCKET, ssh_socket_name(*transfer.ssh).c_str());
+  curl().curl_easy_setopt(easy, CURLOPT_SOCKOPTFUNCTION, &socket_callback);
+  curl().curl_easy_setopt(easy, CURLOPT_SOCKOPTDATA, &transfer);
 }
 
 /// Sets options for FTP: anonymous (RFC 1635), whole files (RFC 959), passive mode (RFC 2428), one file per connection.
@@ -427,13 +453,17 @@ void CurlTransport::collect() {
       end(transfer, {LoadError{LoadErrorKind::bad_response, "the server sent an incomplete header", 0}, false});
     else if (!transfer.head_done && !transfer.refused_host.empty())
       end(transfer, {LoadError{LoadErrorKind::forbidden, transfer.refused_host, 0}, false});
+    else if (const auto failure = transfer.ssh ? transfer.ssh->failure() : std::nullopt)
+      end(transfer, describe_ssh_failure(*failure));
     else
-      end(transfer, describe_failure(code, transfer.detail.data(), options_));
+      end(transfer, describe_failure(code, transfer.ssh ? std::string() : transfer.detail.data(), options_));
   }
 }
 
 void CurlTransport::watch_the_clock() {
   for (auto& [id, transfer] : transfers_) {
+    // ssh may ask the user for a password.
+    if (transfer->ssh && transfer->ssh->connecting()) transfer->progress = now_;
     const bool held_back = transfer->paused || transfer->slowed || (transfer->wants_pause && transfer->head_done);
     if (transfer->over || held_back || now_ - transfer->progress < patience(*transfer)) continue;
     const std::string what =

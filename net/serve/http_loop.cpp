@@ -14,6 +14,7 @@
 #include <poll.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 namespace gs::net {
@@ -71,7 +72,7 @@ std::optional<std::string> HttpLoop::listen() {
 
 std::optional<std::string> HttpLoop::start() {
   if (!wake_) return problem("cannot create an event descriptor");
-  auto folder = ServedFolder::open(options_.folder, options_.resolve_beneath);
+  auto folder = ServedFolder::open(options_.folder, options_.resolve_beneath, options_.to_owner);
   if (auto* message = std::get_if<std::string>(&folder)) return *message;
   if (!options_.made_folder.empty()) {
     MadeFiles::Options made;
@@ -85,21 +86,47 @@ std::optional<std::string> HttpLoop::start() {
   site_ = std::make_unique<HttpSite>(options_, std::move(std::get<ServedFolder>(folder)), made_.get(),
                                      [this] { return metrics(); });
   if (!microhttpd().problem.empty()) return microhttpd().problem;
-  if (auto message = listen()) return message;
+  if (options_.listen)
+    if (auto message = listen()) return message;
   const auto most = static_cast<unsigned>(std::min<std::size_t>(
       options_.limits.connections > 0 ? options_.limits.connections : 1U << 20, std::numeric_limits<int>::max()));
-  const auto flags = static_cast<unsigned>(MHD_USE_EPOLL) | static_cast<unsigned>(MHD_ALLOW_SUSPEND_RESUME);
-  // libmicrohttpd owns the listener now and closes it.
+  const auto flags = static_cast<unsigned>(MHD_USE_EPOLL) | static_cast<unsigned>(MHD_ALLOW_SUSPEND_RESUME) |
+                     (options_.listen ? 0U : static_cast<unsigned>(MHD_USE_NO_LISTEN_SOCKET));
+  // libmicrohttpd owns the listener now and closes it. It rejects the option without a listener, so the list ends
+  // there.
   daemon_ = microhttpd().MHD_start_daemon(
-      flags, port_, nullptr, nullptr, &HttpLoop::on_request, this, MHD_OPTION_LISTEN_SOCKET,
-      ::fcntl(listener_.get(), F_DUPFD_CLOEXEC, 0), MHD_OPTION_CONNECTION_LIMIT, most,
+      flags, port_, nullptr, nullptr, &HttpLoop::on_request, this, MHD_OPTION_CONNECTION_LIMIT, most,
       MHD_OPTION_CONNECTION_MEMORY_LIMIT, kConnectionMemory, MHD_OPTION_URI_LOG_CALLBACK, &HttpLoop::on_target, this,
       MHD_OPTION_UNESCAPE_CALLBACK, &leave_encoded, nullptr, MHD_OPTION_NOTIFY_COMPLETED, &HttpLoop::on_completed, this,
-      MHD_OPTION_NOTIFY_CONNECTION, &HttpLoop::on_connection, this, MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_END);
+      MHD_OPTION_NOTIFY_CONNECTION, &HttpLoop::on_connection, this, MHD_OPTION_STRICT_FOR_CLIENT, 1,
+      options_.listen ? MHD_OPTION_LISTEN_SOCKET : MHD_OPTION_END,
+      options_.listen ? ::fcntl(listener_.get(), F_DUPFD_CLOEXEC, 0) : MHD_INVALID_SOCKET, MHD_OPTION_END);
   if (!daemon_) return "libmicrohttpd cannot start";
   listener_.close();
   thread_ = std::thread([this] { run(); });
   return std::nullopt;
+}
+
+void HttpLoop::adopt(Descriptor socket) {
+  {
+    const std::lock_guard lock(mutex_);
+    adopted_.push_back(std::move(socket));
+  }
+  wake();
+}
+
+void HttpLoop::take_adopted() {
+  std::vector<Descriptor> adopted;
+  {
+    const std::lock_guard lock(mutex_);
+    adopted.swap(adopted_);
+  }
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  // libmicrohttpd owns the socket from then on, and closes it also on failure.
+  for (Descriptor& socket : adopted)
+    (void)microhttpd().MHD_add_connection(daemon_, socket.release(), reinterpret_cast<const sockaddr*>(&address),
+                                          sizeof address.sun_family);
 }
 
 void HttpLoop::wake() const {
@@ -147,6 +174,7 @@ void HttpLoop::run() {
   const MHD_DaemonInfo* info = microhttpd().MHD_get_daemon_info(daemon_, MHD_DAEMON_INFO_EPOLL_FD);
   pollfd waits[2] = {{info ? info->epoll_fd : -1, POLLIN, 0}, {wake_.get(), POLLIN, 0}};
   for (;;) {
+    take_adopted();
     (void)microhttpd().MHD_run(daemon_);
     const Instant now = clock_now();
     if (finished(now)) break;

@@ -30,6 +30,8 @@ class HttpLoop : NonCopyable {
   /// Opens the folder, port and log, and starts to serve. Returns the error, or nullopt.
   [[nodiscard]] std::optional<std::string> start();
   [[nodiscard]] std::uint16_t port() const { return port_; }
+  /// Serves a connected socket. Any thread.
+  void adopt(Descriptor socket);
   /// Returns the statistics. Any thread.
   [[nodiscard]] HttpServerStatistics statistics() const;
   /// Stops the server after at most `grace`. Any thread.
@@ -77,6 +79,7 @@ class HttpLoop : NonCopyable {
   void wake() const;
   [[nodiscard]] std::string metrics() const;
   [[nodiscard]] std::optional<std::string> listen();
+  void take_adopted();
 
   MHD_Result handle(Request& request, MHD_Connection* handle, const char* method, const char* version);
   MHD_Result reply(Request& request, MHD_Connection* handle);
@@ -107,6 +110,7 @@ class HttpLoop : NonCopyable {
   mutable std::mutex mutex_;  // guards the members below
   HttpServerStatistics statistics_;
   std::optional<Instant> stop_at_;
+  std::vector<Descriptor> adopted_;
   std::thread thread_;
 };
 

@@ -1,5 +1,6 @@
 // Callbacks of libmicrohttpd: connections, requests and bodies of responses.
 #include "net/base/host_names.h"
+#include "net/http/http_headers.h"
 #include "net/limits/clock.h"
 #include "net/serve/http_loop.h"
 #include "net/serve/microhttpd_library.h"
@@ -179,6 +180,7 @@ MHD_Result HttpLoop::handle(Request& request, MHD_Connection* handle, const char
   }
   asked.range = header(handle, "Range");
   asked.accept = header(handle, "Accept");
+  asked.within = header(handle, kWithinField);
   asked.accept_encoding = header(handle, "Accept-Encoding");
   asked.conditions = {header(handle, "If-Match"), header(handle, "If-None-Match"), header(handle, "If-Modified-Since"),
                       header(handle, "If-Unmodified-Since"), header(handle, "If-Range")};

@@ -2,6 +2,7 @@
 
 #include "base/noncopyable.h"
 #include "net/base/address_space.h"
+#include "net/base/descriptor.h"
 #include "net/limits/client_limits.h"
 #include "net/serve/access_log.h"
 #include "net/serve/made_files.h"
@@ -86,6 +87,10 @@ struct HttpServerOptions {
   /// Receives messages for the operator, such as the reason why a file cannot be made. Any thread.
   std::function<void(const std::string& message)> report;
   bool resolve_beneath = true;  // as in ServedFolder::open
+  bool listen = true;           // opens the port; otherwise, serves only the connections of adopt()
+  bool patient = false;         // waits for made files also if a range is requested
+  bool to_owner = false;        // serves an account to its own user: follows all links, serves hidden names
+  std::string home;             // folder behind "/~/", beneath `folder`; empty means none
   AccessLog log;
 };
 
@@ -111,6 +116,8 @@ class HttpServer : NonCopyable {
   ~HttpServer();
 
   [[nodiscard]] std::uint16_t port() const;
+  /// Serves a connected socket. Any thread.
+  void adopt(Descriptor socket);
   /// Returns the statistics. Any thread.
   [[nodiscard]] HttpServerStatistics statistics() const;
   /// Refuses new connections and requests, and waits at most `grace` for running transfers.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cstdio>
 #include <span>
 
@@ -40,6 +41,14 @@ std::pair<std::string, std::string> split_target(std::string target) {
   target = target.substr(0, target.find('#'));
   const std::size_t mark = target.find('?');
   return {target.substr(0, mark), mark == std::string::npos ? std::string() : target.substr(mark + 1)};
+}
+
+// Returns the number in a query such as "from=1000": files are made only of files with at least as many bytes.
+std::uint64_t least_size(std::string_view query) {
+  constexpr std::string_view kKey = kLeastSizeQuery;
+  std::uint64_t least = 0;
+  if (query.starts_with(kKey)) (void)std::from_chars(query.data() + kKey.size(), query.data() + query.size(), least);
+  return least;
 }
 
 bool wants_json(const HttpRequest& request, const std::string& query) {
@@ -198,10 +207,38 @@ HttpSite::Reply HttpSite::answer_here(const HttpRequest& request) const {
   return get(request, path, query);
 }
 
+// Parses a path, and replaces "/~/" by the home folder.
+std::variant<RequestPath, PathRefusal> HttpSite::path_of(const std::string& text) const {
+  auto parsed = parse_request_path(text, options_.to_owner);
+  auto* path = std::get_if<RequestPath>(&parsed);
+  if (!path || options_.home.empty() || path->names.empty() || path->names.front() != "~") return parsed;
+  std::string home;
+  std::string_view left = options_.home;
+  while (!left.empty()) {
+    const std::size_t end = std::min(left.find('/'), left.size());
+    if (end > 0) home += "/" + encode_name(left.substr(0, end));
+    left.remove_prefix(std::min(end + 1, left.size()));
+  }
+  auto expanded = parse_request_path(home.empty() ? "/" : home, true);
+  auto* whole = std::get_if<RequestPath>(&expanded);
+  if (!whole) return expanded;
+  whole->names.insert(whole->names.end(), path->names.begin() + 1, path->names.end());
+  whole->folder = path->folder;
+  return expanded;
+}
+
 HttpSite::Reply HttpSite::get(const HttpRequest& request, const std::string& path, const std::string& query) const {
-  const auto parsed = parse_request_path(path);
+  auto parsed = path_of(path);
   if (const auto* refusal = std::get_if<PathRefusal>(&parsed)) return problem(refusal->status, refusal->message);
-  const RequestPath& names = std::get<RequestPath>(parsed);
+  RequestPath& names = std::get<RequestPath>(parsed);
+  if (!request.within.empty()) {
+    const auto limit = path_of(request.within);
+    const auto* outer = std::get_if<RequestPath>(&limit);
+    if (!outer || names.names.size() < outer->names.size() ||
+        !std::equal(outer->names.begin(), outer->names.end(), names.names.begin()))
+      return problem(403, "lies outside of the folder of the document");
+    names.within = outer->names.size();
+  }
   auto opened = root_.open(names);
   if (const auto* refusal = std::get_if<PathRefusal>(&opened)) {
     if (refusal->status == 404 && !names.folder) {
@@ -236,7 +273,7 @@ FolderRequest HttpSite::request_of(const HttpRequest& request, RequestPath path,
 }
 
 HttpSite::Reply HttpSite::folder(const HttpRequest& request, const RequestPath& path, const std::string& query) const {
-  if (query != "json") {
+  if (query != "json" && !options_.patient) {
     RequestPath index = path;
     index.folder = false;
     index.names.emplace_back("index.html");
@@ -367,7 +404,8 @@ std::optional<HttpSite::Reply> HttpSite::made(const HttpRequest& request, const 
     RequestPath source = path;
     source.names.back() = *name;
     auto opened = root_.open(source);
-    if (const auto* file = std::get_if<ServedFile>(&opened); file && !file->folder) return make(request, lane, *file);
+    const auto* file = std::get_if<ServedFile>(&opened);
+    if (file && !file->folder && file->stamp.size >= least_size(query)) return make(request, lane, *file);
   }
   return std::nullopt;
 }
@@ -398,7 +436,8 @@ HttpSite::Reply HttpSite::make(const HttpRequest& request, std::size_t lane, con
       return problem(503, "too many files are being generated; retry later");
     case MadeState::waiting:
       if (request.method == "HEAD") return problem(202, "is being generated; retry later");
-      if (!request.range.empty() || request.waited_long) return problem(503, "is being generated; retry later");
+      if ((!request.range.empty() && !options_.patient) || request.waited_long)
+        return problem(503, "is being generated; retry later");
       return WaitForMade{lane, key, maker.wait};
     case MadeState::ready:
       break;

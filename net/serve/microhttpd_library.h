@@ -8,6 +8,7 @@
 
 /// Functions of libmicrohttpd that the program calls.
 #define GHOSTSPACE_MICROHTTPD_FUNCTIONS(X) \
+  X(MHD_add_connection)                    \
   X(MHD_add_response_header)               \
   X(MHD_create_response_from_buffer)       \
   X(MHD_create_response_from_callback)     \

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include <dirent.h>
 #include <fcntl.h>
@@ -44,20 +45,20 @@ std::optional<std::string> decode(std::string_view text) {
 }
 
 // Returns the reason why a decoded name must not be opened. Status 0 means that it may be opened.
-PathRefusal refuse_name(const std::string& name) {
+PathRefusal refuse_name(const std::string& name, bool hidden = false) {
   if (name.empty()) return {404, "empty name in the path"};
   if (name == "." || name == "..") return {400, "'.' and '..' are not allowed in a path"};
   for (const char c : name)
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f || c == '\\' || c == '/')
       return {400, "a name must not have control characters, slashes or backslashes"};
-  if (name.front() == '.') return {404, "not found"};
+  if (name.front() == '.' && !hidden) return {404, "not found"};
   if (name.size() > 255) return {404, "not found"};
   return {0, {}};
 }
 
-std::string joined(const RequestPath& path) {
+std::string joined(std::span<const std::string> names) {
   std::string text;
-  for (const std::string& name : path.names) text += (text.empty() ? "" : "/") + name;
+  for (const std::string& name : names) text += (text.empty() ? "" : "/") + name;
   return text.empty() ? "." : text;
 }
 
@@ -91,7 +92,7 @@ std::string RequestPath::text() const {
   return folder || all.empty() ? all + "/" : all;
 }
 
-std::variant<RequestPath, PathRefusal> parse_request_path(std::string_view path) {
+std::variant<RequestPath, PathRefusal> parse_request_path(std::string_view path, bool hidden) {
   if (path.size() > kMaxPathBytes) return PathRefusal{414, "the path is longer than 4096 bytes"};
   if (path.empty() || path.front() != '/') return PathRefusal{400, "a path must begin with '/'"};
   path.remove_prefix(1);
@@ -100,7 +101,7 @@ std::variant<RequestPath, PathRefusal> parse_request_path(std::string_view path)
     const std::size_t end = std::min(path.find('/'), path.size());
     const auto name = decode(path.substr(0, end));
     if (!name) return PathRefusal{400, "a percent sign must be followed by two hexadecimal digits"};
-    PathRefusal refusal = refuse_name(*name);
+    PathRefusal refusal = refuse_name(*name, hidden);
     if (refusal.status != 0) return refusal;
     result.names.push_back(*name);
     result.folder = end < path.size();
@@ -110,13 +111,24 @@ std::variant<RequestPath, PathRefusal> parse_request_path(std::string_view path)
   return result;
 }
 
-std::variant<ServedFolder, std::string> ServedFolder::open(const std::string& path, bool resolve_beneath) {
+std::variant<ServedFolder, std::string> ServedFolder::open(const std::string& path, bool resolve_beneath,
+                                                           bool everywhere) {
   Descriptor root(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (!root) return path + ": " + std::strerror(errno) + "; expected a folder";
-  ServedFolder folder(std::move(root), resolve_beneath);
+  ServedFolder folder(std::move(root), resolve_beneath, everywhere);
   if (resolve_beneath && !folder.open_beneath(folder.root_.get(), ".") && (errno == ENOSYS || errno == EPERM))
     folder.resolve_beneath_ = false;
   return folder;
+}
+
+// Opens a path of a request. Returns an empty descriptor and sets errno on failure.
+Descriptor ServedFolder::open_path(const RequestPath& path) const {
+  const auto names = std::span(path.names);
+  if (!everywhere_) return open_beneath(root_.get(), joined(names));
+  const std::size_t outer = std::min(path.within, names.size());
+  const std::string first = joined(names.first(path.within > 0 ? outer : names.size()));
+  Descriptor opened(::openat(root_.get(), first.c_str(), kFlags | (path.within > 0 ? O_DIRECTORY : 0)));
+  return !opened || path.within == 0 ? std::move(opened) : open_beneath(opened.get(), joined(names.subspan(outer)));
 }
 
 // Opens a path inside the folder. Returns an empty descriptor and sets errno on failure.
@@ -146,7 +158,7 @@ Descriptor ServedFolder::open_beneath(int folder, const std::string& relative) c
 
 std::variant<ServedFile, PathRefusal> ServedFolder::open(const RequestPath& path) const {
   ServedFile file;
-  file.descriptor = open_beneath(root_.get(), joined(path));
+  file.descriptor = open_path(path);
   if (!file.descriptor) return refusal_of(errno);
   struct stat status {};
   if (fstat(file.descriptor.get(), &status) != 0) return PathRefusal{500, "cannot be read"};
@@ -160,7 +172,7 @@ FolderListing ServedFolder::list(const RequestPath& path) const {
   FolderListing listing;
   listing.path = "/";
   for (const std::string& name : path.names) listing.path += name + "/";
-  Descriptor folder = open_beneath(root_.get(), joined(path));
+  Descriptor folder = open_path(path);
   if (!folder) return listing;
   const int number = folder.get();
   const auto close = [](DIR* open) { ::closedir(open); };
@@ -173,7 +185,8 @@ FolderListing ServedFolder::list(const RequestPath& path) const {
       listing.complete = false;
       break;
     }
-    const Descriptor opened = open_beneath(number, name);
+    const Descriptor opened =
+        everywhere_ ? Descriptor(::openat(number, name.c_str(), kFlags)) : open_beneath(number, name);
     struct stat status {};
     if (!opened || fstat(opened.get(), &status) != 0) continue;
     if (!S_ISDIR(status.st_mode) && !S_ISREG(status.st_mode)) continue;

@@ -11,6 +11,9 @@
 
 namespace gs::net {
 
+/// Query of the target of a made file, before a number: it is made only of a file with at least as many bytes.
+inline constexpr const char* kLeastSizeQuery = "from=";
+
 /// Reason why a requested path is not served, with an HTTP status (RFC 9110 15): 400, 403, 404, 414 or 500.
 struct PathRefusal {
   int status = 404;
@@ -21,6 +24,7 @@ struct PathRefusal {
 struct RequestPath {
   std::vector<std::string> names;
   bool folder = false;  // the path ends with a slash
+  std::size_t within = 0;  // number of leading names that form a folder which links must not leave; 0 means no limit
 
   /// Returns the path with percent-encoding, such as "/a%20b/c".
   [[nodiscard]] std::string text() const;
@@ -32,8 +36,8 @@ struct RequestPath {
 /// - backslashes, encoded slashes, empty names and invalid percent signs;
 /// - NUL and other control characters;
 /// - more than 4096 bytes.
-/// Returns 404 for names that begin with a dot.
-[[nodiscard]] std::variant<RequestPath, PathRefusal> parse_request_path(std::string_view path);
+/// Returns 404 for names that begin with a dot, unless `hidden` is true.
+[[nodiscard]] std::variant<RequestPath, PathRefusal> parse_request_path(std::string_view path, bool hidden = false);
 
 /// Percent-encodes a name for a URL.
 [[nodiscard]] std::string encode_name(std::string_view name);
@@ -63,9 +67,11 @@ struct FolderListing {
 class ServedFolder {
  public:
   /// Opens a folder. If the kernel has openat2 (Linux 5.6), symbolic links inside the folder are followed. Otherwise,
-  /// or without `resolve_beneath`, links are not followed.
+  /// or without `resolve_beneath`, links are not followed. If `everywhere`, all links are followed, also out of the
+  /// folder, except for paths with a limit (RequestPath::within).
   [[nodiscard]] static std::variant<ServedFolder, std::string> open(const std::string& path,
-                                                                    bool resolve_beneath = true);
+                                                                    bool resolve_beneath = true,
+                                                                    bool everywhere = false);
 
   /// Opens a regular file or a folder. Refuses all other kinds of files.
   [[nodiscard]] std::variant<ServedFile, PathRefusal> open(const RequestPath& path) const;
@@ -76,10 +82,12 @@ class ServedFolder {
   [[nodiscard]] static std::string real_path(const Descriptor& descriptor);
 
  private:
-  ServedFolder(Descriptor root, bool resolve_beneath) : root_(std::move(root)), resolve_beneath_(resolve_beneath) {}
+  ServedFolder(Descriptor root, bool resolve_beneath, bool everywhere)
+      : root_(std::move(root)), resolve_beneath_(resolve_beneath), everywhere_(everywhere) {}
+  [[nodiscard]] Descriptor open_path(const RequestPath& path) const;
   [[nodiscard]] Descriptor open_beneath(int folder, const std::string& relative) const;
   Descriptor root_;
-  bool resolve_beneath_;
+  bool resolve_beneath_, everywhere_;
 };
 
 }  // namespace gs::net

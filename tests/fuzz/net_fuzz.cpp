@@ -180,7 +180,9 @@ std::vector<FuzzTarget> fuzz_targets() {
           {"log_line", run_log_line, 512},
           {"cells", run_cells, 8192},
           {"cell_datagrams", run_cell_datagrams, 16384},
-          {"control_client", run_control_client, 4096}};
+          {"control_client", run_control_client, 4096},
+          {"tunnel", run_tunnel, 4096},
+          {"sftp", run_sftp, 4096}};
 }
 
 }  // namespace gs::fuzz

@@ -10,6 +10,7 @@
 #include "app/commands/trace.h"
 #include "base/text.h"
 #include "net/base/host_names.h"
+#include "net/ssh/ssh_target.h"
 #include "render/gl/context.h"
 
 #include <algorithm>
@@ -128,6 +129,11 @@ Problem set_allowed(LoadOptions& options, const std::string& value) {
   if (!std::filesystem::exists(value, error)) return "expected an existing folder";
   options.allowed.push_back(value);
   return {};
+}
+
+Problem set_remote_program(LoadOptions& options, const std::string& value) {
+  options.remote_program = value;
+  return net::refuse_remote_program(value);
 }
 
 Problem set_timeout(LoadingOptions& options, const std::string& value) {
@@ -295,6 +301,10 @@ constexpr OptionRow kOtherOptions[] = {
      "open animate check print info encode export fetch trace ", with<set_memory>},
     {"--offline", "", "", "disable the network", "open animate check print info encode export trace ",
      flag<&LoadOptions::offline>},
+    {"--remote-command", "COMMAND", "ghostspace",
+     "program for ssh: URLs, as for a shell on the remote machine; it may begin with another program: \"srun -N1 "
+     "ghostspace\"",
+     "open animate check print info encode export fetch trace ", with<set_remote_program>},
     {"--allow-network", "", "", "allow network access, without a question, to Scripts that have read other local files",
      "open animate trace ", flag<&LoadOptions::allow_network>},
     {"--allow", "FOLDER", "", "let a local world also read this folder and its subfolders; may be repeated",
@@ -307,6 +317,10 @@ constexpr OptionRow kOtherOptions[] = {
      with<[](ArchiveOptions& o, const std::string& v) { return set_port(o.http_port, v); }>},
     {"--cells", "PORT", "", "serve streams as ATM cells over UDP on this port", "serve ",
      with<[](ArchiveOptions& o, const std::string& v) { return set_port(o.cells_port, v); }>},
+    {"--stdio", "", "",
+     "serve over standard input and output instead of ports, for ssh: URLs. Without FOLDER, serve all files of this "
+     "account",
+     "serve ", flag<&ArchiveOptions::standard_streams>},
     {"--bind", "ADDRESS|*", "127.0.0.1", "listen at this address; * is all", "serve ", text<&ArchiveOptions::bind>},
     {"--host", "NAME,...", "",
      "further names of the server besides localhost and its address. A local server rejects all other names, against "

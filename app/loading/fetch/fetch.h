@@ -18,6 +18,7 @@ namespace gs::app {
 struct Fetch {
   std::vector<net::Url> candidates;  // URLs in the order of the attempts, with fragments
   std::size_t next = 0;
+  std::size_t optional = 0;  // number of first candidates that may fail without a message
   net::Origin from;  // origin of the text that contains the reference
   std::string given_path;  // path of a file, spelled as by the user
   int priority = 0;

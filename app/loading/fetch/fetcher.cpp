@@ -208,7 +208,7 @@ void Fetcher::begin_next_candidate(Fetch& fetch) {
 
 void Fetcher::fail_candidate(Fetch& fetch, const std::string& why, const std::string& folder) {
   const bool known = !folder.empty() && !loading_.results.refuse_folder(folder, fetch.reference);
-  if (!fetch.first_problem.empty()) return;
+  if (!fetch.first_problem.empty() || fetch.next <= fetch.optional) return;
   fetch.first_problem = why;
   fetch.told = known;
 }

@@ -38,6 +38,7 @@ struct LoadOptions {
   bool by_view = false;                          // true lets views choose ranges of long streams on servers
   bool large_by_view = false;                    // the same, but only of streams that are not decoded as a whole
   std::uint64_t rate = 0;                        // bandwidth limit in bits per second; 0 means unlimited
+  std::string remote_program = "ghostspace";     // program for ssh: URLs (net::remote_serve_command())
   std::string cache_folder;                      // cache folder for network resources; empty means no cache
   PhaseClock* phases = nullptr;                  // clock for the parsing time; may be null
   std::shared_ptr<LoadLedger> ledger;            // ledger of the progress of files and streams; may be null

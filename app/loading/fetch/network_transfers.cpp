@@ -32,6 +32,11 @@ net::Loader& NetworkTransfers::loader() {
   settings.memory = loading_.options.memory;
   settings.policy = loading_.fetcher.policy();
   settings.bytes_per_second = byte_rate_of(loading_.options.rate);
+  settings.remote_program = loading_.options.remote_program;
+  settings.report = [notices = notices_, waker = loading_.waker](const std::string& message) {
+    notices->add(message);
+    waker->wake();
+  };
   settings.wake = [waker = loading_.waker] { waker->wake(); };
   loader_ = net::Loader::create(std::move(settings));
   return *loader_;
@@ -85,6 +90,8 @@ void NetworkTransfers::ask(Fetch& fetch, std::vector<net::ByteRange> ranges) {
 
 bool NetworkTransfers::step() {
   if (!loader_) return false;
+  for (std::string& notice : notices_->take())
+    loading_.results.report(Severity::warning, loading_.results.file(), {}, std::move(notice));
   std::vector<net::LoadEvent> polled = loader_->poll();
   events_.insert(events_.end(), std::make_move_iterator(polled.begin()), std::make_move_iterator(polled.end()));
   const bool any = !events_.empty() || loader_->queued_bytes() > 0;

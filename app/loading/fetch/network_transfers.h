@@ -3,6 +3,7 @@
 #include "app/base/read_file.h"
 #include "app/base/read_files.h"
 #include "app/loading/fetch/fetch.h"
+#include "app/loading/fetch/load_notices.h"
 #include "app/streams/ranged_stream.h"
 #include "net/load/loader.h"
 #include "vrml/scene/scene_graph.h"
@@ -76,6 +77,7 @@ class NetworkTransfers {
   void end_request(Fetch& fetch);
 
   Loading& loading_;
+  std::shared_ptr<LoadNotices> notices_ = std::make_shared<LoadNotices>();
   std::unique_ptr<net::Loader> loader_;  // created for the first network resource
   std::unordered_map<std::uint64_t, Fetch*> by_request_;
   std::deque<net::LoadEvent> events_;  // received events that are not handled yet

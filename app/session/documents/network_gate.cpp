@@ -16,7 +16,8 @@ bool is_network_url(const net::Url& url, bool may_refer) {
   if (url.scheme == "mailto") return true;
   if (url.scheme == "data") return may_refer;
   const net::Scheme* const scheme = net::find_scheme(url.scheme);
-  return scheme && scheme->transport != net::TransportKind::file;
+  // Documents reach only the folder of their own account by ssh, as they reach local files.
+  return scheme && scheme->transport != net::TransportKind::file && scheme->name != "ssh";
 }
 
 std::vector<std::string> texts_of(const vrml::MFString& list) {

@@ -29,6 +29,13 @@ net::Url base_of(const std::string& file) {
   return net::url_of_path(error ? file : absolute.lexically_normal().string());
 }
 
+// Returns the reason why a document must not link to an ssh: URL: the user would open it, with rights on that account.
+std::optional<net::ReferenceRefusal> refuse_account(const net::Url& document, const net::Url& url) {
+  net::ReferencePolicy policy;
+  if (document.scheme == "ssh") policy.allow_ssh(document);
+  return policy.refuse({document.text()}, url);
+}
+
 // Returns true for URLs that a web browser should open: pages, images and movies.
 bool is_for_browser(const net::Url& url) {
   if (url.scheme == "mailto") return true;
@@ -95,6 +102,8 @@ Link link_of(const std::vector<std::string>& urls, const std::vector<std::string
       place.for_browser = is_for_browser(url);
       if (!place.for_browser && !net::find_scheme(url.scheme))
         place.problem = "\"" + url.scheme + ":\" is not a supported URL scheme";
+      if (const auto refused = url.scheme == "ssh" ? refuse_account(base, url) : std::nullopt)
+        place.problem = "Not opened: " + net::url_for_messages(url.text()) + ": " + refused->message;
     }
     link.places.push_back(std::move(place));
   }

@@ -53,8 +53,8 @@ TEST_CASE("allows all references of the user") {
     CHECK(refusal("", to).empty());
   CHECK(Origin{}.reach() == AddressSpace::special);
   CHECK(refusal("", "gopher://a") ==
-        "the scheme gopher: is not known; expected one of file, data, http, https, ftp, cells");
-  CHECK(refusal("", "a/b") == "it has no scheme; expected one of file, data, http, https, ftp, cells");
+        "the scheme gopher: is not known; expected one of file, data, http, https, ftp, ssh, cells");
+  CHECK(refusal("", "a/b") == "it has no scheme; expected one of file, data, http, https, ftp, ssh, cells");
 }
 
 TEST_CASE("refuses URLs without a host for every origin if their scheme requires one") {
@@ -176,6 +176,38 @@ TEST_CASE("refuses FTP to the ports of system services") {
   CHECK_FALSE(refusal("https://a/", "ftp://b/x").empty());
   CHECK_FALSE(refusal("http://a/", "ftp://somebody:secret@b/x").empty());
   CHECK(refusal("", "ftp://b:25/x").empty());
+}
+
+TEST_CASE("lets only the user open ssh: URLs, and a document of an account its own folder") {
+  CHECK(refusal("", "ssh://host/etc/passwd").empty());
+  for (const char* from :
+       {"http://host/a.wrl", "https://host/a.wrl", "file:///data/a.wrl", "data:,x", "cells://host/a"})
+    CHECK(refusal(from, "ssh://host/data/b.wrl") ==
+          "only the user may open ssh: URLs; a document may not refer to them");
+  const std::string world = "ssh://ann@host/data/run/a.wrl";
+  const auto outside = "it lies outside of the world's folder on its host";
+  CHECK(refusal(world, "ssh://ann@host/data/run/b.wrl").empty());
+  CHECK(refusal(world, "ssh://ann@host/data/run/sub/b.wrl").empty());
+  CHECK(refusal(world, "ssh://ann@host/data/run/sub/../b.wrl").empty());
+  for (const char* to :
+       {"ssh://ann@host/data/b.wrl", "ssh://ann@host/data/run/../b.wrl", "ssh://ann@host/data/running/b",
+        "ssh://ann@host/data/run", "ssh://host/data/run/b.wrl", "ssh://bob@host/data/run/b.wrl",
+        "ssh://ann@host:2222/data/run/b.wrl", "ssh://other/data/run/b.wrl", "ssh://ann@host/"})
+    CHECK(refusal(world, to) == outside);
+  CHECK(refusal(world, "file:///data/run/b.wrl").find("may not refer to file:") != std::string::npos);
+  CHECK(refusal(world, "http://host/b.wrl").find("not protected") != std::string::npos);
+  CHECK(refusal(world, "https://host/b.png").empty());
+  // A part of a world may refer to the folder of the opened world.
+  ReferencePolicy opened;
+  opened.allow_ssh(parse_url(world));
+  const Origin part{"ssh://ann@host/data/run/sub/b.wrl", AddressSpace::local};
+  CHECK(refusal(opened, part, "ssh://ann@host/data/run/picture.png").empty());
+  CHECK(refusal(opened, part, "ssh://ann@host/data/picture.png") == outside);
+  CHECK(opened.ssh_folder(part, parse_url("ssh://ann@host/data/run/picture.png")) == "/data/run/");
+  CHECK(opened.ssh_folder({}, parse_url("ssh://ann@host/etc/x")).empty());
+  CHECK(refusal(opened, {"ssh://bob@host/data/run/sub/b.wrl"}, "ssh://ann@host/data/run/picture.png") == outside);
+  CHECK(part.is_ssh());
+  CHECK_FALSE(part.is_network());
 }
 
 TEST_CASE("limits which hosts a document may reach, depending on its address space") {

@@ -14,7 +14,7 @@ using namespace gs::net;
 TEST_CASE("has one row per scheme") {
   std::set<std::string_view> names;
   for (const Scheme& scheme : schemes()) CHECK(names.insert(scheme.name).second);
-  CHECK(names == std::set<std::string_view>{"file", "http", "https", "ftp", "data", "cells", "memory"});
+  CHECK(names == std::set<std::string_view>{"file", "http", "https", "ftp", "data", "cells", "ssh", "memory"});
   CHECK_FALSE(find_scheme("gopher"));
   CHECK_FALSE(find_scheme("HTTP"));
 }
@@ -45,6 +45,7 @@ TEST_CASE("gives a URL one canonical spelling, or none without a host (RFC 3986 
       {"http://example.org:/", "http://example.org/"},
       {"ftp://example.org:21/a", "ftp://example.org/a"},
       {"cells://example.org:21/a", "cells://example.org:21/a"},
+      {"SSH://Ann@Login:22/~/A", "ssh://Ann@Login:22/~/A"},
       {"http://[2001:DB8::1]:80/", "http://[2001:db8::1]/"},
   };
   for (const auto& [url, text] : spellings) CHECK(canonical(url) == text);

@@ -42,6 +42,22 @@ TEST_CASE("restricts an Anchor from the network to the network") {
   CHECK(one.places[2].target.empty());
 }
 
+TEST_CASE("opens ssh: links only within the folder of a world of that account") {
+  const std::string urls = "url [ \"ssh://host/run/b.wrl\" \"ssh://host/other/b.wrl\" \"ssh://else/run/b.wrl\" ]";
+  for (const char* from : {"http://host/run/a.wrl", "/run/a.wrl", "ssh://third/run/a.wrl"})
+    for (const Link::Place& place : link(from, urls).places)
+      CHECK(place.problem.find("Not opened: ssh://") != std::string::npos);
+  const Link own = link("ssh://host/run/a.wrl", urls);
+  REQUIRE(own.places.size() == 3);
+  CHECK(own.places[0].problem.empty());
+  CHECK(own.places[1].problem.find("outside of the world's folder") != std::string::npos);
+  CHECK_FALSE(own.places[2].problem.empty());
+  const Link relative = link("ssh://ann@host/run/a.wrl", "url \"sub/b.wrl#Gate\"");
+  REQUIRE(relative.places.size() == 1);
+  CHECK(relative.places[0].target == "ssh://ann@host/run/sub/b.wrl");
+  CHECK(relative.places[0].problem.empty());
+}
+
 TEST_CASE("passes pages to the web browser, and reports unknown types") {
   const Link one = link("/a/town.wrl",
                         "url [ \"http://host/page.html\" \"https://host/\" \"http://host/world.wrl.gz\" "

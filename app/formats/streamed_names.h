@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace gs::app {
+
+/// Returns true if a file of this name can be encoded as a QNV stream.
+[[nodiscard]] bool can_be_encoded(std::string_view name);
+
+/// Returns the name under which a server streams a file to viewers: that of the made stream, if the file has a format
+/// other than VRML that can be encoded. Otherwise, returns the name.
+[[nodiscard]] std::string streamed_name(const std::string& name);
+
+}  // namespace gs::app
