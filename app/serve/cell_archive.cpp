@@ -104,7 +104,7 @@ std::vector<Place> QnvSource::from_directory(const qnv::StreamHeader& header) co
     }
     if (type != qnv::ChunkType::directory) return;
     for (const qnv::DirectoryEntry& entry : qnv::decode_directory(payload, header.description.box))
-      if (places.size() < net::kMaxChunks && entry.bytes > qnv::kChunkHeaderBytes)
+      if (places.size() < kMaxNumbered && entry.bytes > qnv::kChunkHeaderBytes)
         places.push_back({entry.offset, entry.bytes, cell_box(entry.box, header.description.box)});
   };
   (void)reader.push(qnv::encode_header(header), on_chunk);
@@ -113,14 +113,15 @@ std::vector<Place> QnvSource::from_directory(const qnv::StreamHeader& header) co
   return places;
 }
 
-// Returns the directory chunks of a long volume.
+// Returns the directory chunks of a long volume or time series.
 std::vector<Place> QnvSource::directory_chunks(const qnv::StreamHeader& header) const {
   std::vector<Place> places;
   if (header.payload != qnv::Payload::values || file_.stamp.size < kLongVolume) return places;
   for (std::uint64_t at = header.directory; at < file_.stamp.size && places.size() < net::kMaxChunks;) {
     const auto head = qnv::chunk_head(bytes(at, qnv::kChunkHeaderBytes));
     if (!head) break;
-    if (head->type == qnv::ChunkType::places) places.push_back({at, static_cast<std::uint32_t>(head->bytes), {}});
+    if (head->type == qnv::ChunkType::places || head->type == qnv::ChunkType::directory)
+      places.push_back({at, static_cast<std::uint32_t>(head->bytes), {}});
     at += head->bytes;
   }
   return places;

@@ -57,7 +57,7 @@ void CellStream::want(const net::Url& url, const CellStreamOptions& options) {
 }
 
 bool CellStream::follow_wishes(std::shared_ptr<StreamFeed> feed, std::span<const std::byte> base) {
-  if (places_ == 0 || !driver_) return false;
+  if (places_ == 0 || !driver_ || !CellWishes::suits(*feed, base)) return false;
   feed_ = std::move(feed);
   wishes_.emplace(feed_, base, places_);
   wish_.streams = 0;
@@ -151,6 +151,8 @@ void CellStream::take_piece(net::CellEvent& event) {
   if (!wishes_ || over_) return;
   if (const std::string problem = wishes_->take(event.name, std::move(event.bytes)); !problem.empty())
     end(name_ + ": " + problem);
+  else if (!feed_->takes_bytes() && wishes_->complete())
+    end(std::nullopt);
 }
 
 void CellStream::end(const std::optional<std::string>& problem) {

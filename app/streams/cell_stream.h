@@ -48,8 +48,8 @@ class CellStream {
   bool step();
   /// Sets the feed. From now on, its views choose which chunks the server sends first.
   void follow(std::shared_ptr<StreamFeed> feed) { feed_ = std::move(feed); }
-  /// Sets a feed that takes bytes. From now on, the server sends only the directory and what views want, and the feed
-  /// gets it. Returns false if the server sends no directory. Call it when the base is received.
+  /// Sets a feed. From now on, the server sends only the directory and what views want; a feed that takes bytes gets
+  /// it. Returns false if the server has no directory, or views cannot choose. Call it when the base is received.
   [[nodiscard]] bool follow_wishes(std::shared_ptr<StreamFeed> feed, std::span<const std::byte> base);
   /// Sets the requested rate in bits per second. 0 means the server's limit.
   void set_rate(std::uint64_t rate);

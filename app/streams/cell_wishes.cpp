@@ -1,9 +1,11 @@
 #include "app/streams/cell_wishes.h"
 
 #include "net/cells/cell_receiver.h"
+#include "qnv/codecs/octree/lod/lod_source.h"
 #include "qnv/container/container.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 #include <variant>
 
@@ -14,11 +16,19 @@ constexpr std::size_t kMaxEarlyBytes = std::size_t{16} << 20;
 constexpr std::size_t kBeside = 32;  // chunks that are requested with one of the directory, about as many bytes
 constexpr std::chrono::seconds kPatience{10};
 
-// Returns the number of chunks in the first bytes of a stream.
-std::size_t chunks_in(std::span<const std::byte> front) {
-  std::size_t header_bytes = 0, count = 0;
+// Returns the header of a stream and its length; nullopt if it is incomplete.
+std::optional<std::pair<qnv::StreamHeader, std::size_t>> header_of(std::span<const std::byte> front) {
+  std::size_t header_bytes = 0;
   bool need_more = false;
-  (void)qnv::decode_header(front, header_bytes, need_more);
+  auto decoded = qnv::decode_header(front, header_bytes, need_more);
+  auto* const header = std::get_if<qnv::StreamHeader>(&decoded);
+  if (!header || need_more) return std::nullopt;
+  return std::pair(std::move(*header), header_bytes);
+}
+
+// Returns the number of chunks in the first bytes of a stream.
+std::size_t chunks_in(std::span<const std::byte> front, std::size_t header_bytes) {
+  std::size_t count = 0;
   std::span<const std::byte> rest = front.subspan(std::min(header_bytes, front.size()));
   for (auto head = qnv::chunk_head(rest); head && head->bytes <= rest.size(); head = qnv::chunk_head(rest)) {
     ++count;
@@ -51,7 +61,18 @@ std::vector<std::uint32_t> cells_of_numbers(std::size_t numbers, std::size_t pla
 }
 
 CellWishes::CellWishes(std::shared_ptr<StreamFeed> feed, std::span<const std::byte> base, std::uint32_t places)
-    : feed_(std::move(feed)), first_(chunks_in(base)), places_(places) {}
+    : feed_(std::move(feed)), places_(places) {
+  const auto header = header_of(base);
+  if (!header) return;
+  first_ = chunks_in(base, header->second);
+  general_ = !header->first.steps.times.empty() || header->first.grid.components > 1;
+}
+
+bool CellWishes::suits(const StreamFeed& feed, std::span<const std::byte> base) {
+  if (feed.takes_bytes()) return true;
+  const auto header = header_of(base);
+  return header && !header->first.steps.times.empty() && !feed.requests()->in_stream_order();
+}
 
 std::string CellWishes::take(const net::ChunkName& name, std::vector<std::byte> chunk) {
   latest_ = Clock::now();
@@ -63,19 +84,33 @@ std::string CellWishes::take(const net::ChunkName& name, std::vector<std::byte> 
   return {};
 }
 
+// Reads the next chunk of the directory. Returns false if it is invalid.
+bool CellWishes::read_part(std::span<const std::byte> chunk) {
+  const auto parsed = qnv::sound_chunk(chunk);
+  const auto* const sound = std::get_if<qnv::SoundChunk>(&parsed);
+  if (!sound) return false;
+  if (general_) {
+    if (sound->type != qnv::ChunkType::directory) return false;
+    for (const qnv::DirectoryEntry& entry : qnv::decode_directory(sound->payload, feed_->box())) {
+      if (!offsets_.empty() && entry.offset <= offsets_.back()) return false;
+      offsets_.push_back(entry.offset);
+    }
+    return true;
+  }
+  if (sound->type != qnv::ChunkType::places || !reader_.add(sound->payload)) return false;
+  for (std::size_t i = offsets_.size(); i < reader_.places().size(); ++i)
+    offsets_.push_back(reader_.places()[i].offset);
+  return true;
+}
+
 // Reads the chunks of the directory in order, as far as they were received.
 std::string CellWishes::read_places() {
   if (has_all_places()) return {};
   const std::size_t before = next_place_;
   for (; next_place_ < places_.size() && !places_[next_place_].empty(); ++next_place_) {
-    const auto parsed = qnv::sound_chunk(places_[next_place_]);
-    const auto* const sound = std::get_if<qnv::SoundChunk>(&parsed);
-    if (!sound || sound->type != qnv::ChunkType::places || !reader_.add(sound->payload))
-      return "its directory is invalid";
+    if (!read_part(places_[next_place_])) return "its directory is invalid";
   }
   if (next_place_ == before) return {};
-  for (std::size_t i = offsets_.size(); i < reader_.places().size(); ++i)
-    offsets_.push_back(reader_.places()[i].offset);
   changed_ = true;
   if (has_all_places()) {
     reader_ = {};
@@ -95,12 +130,21 @@ void CellWishes::pass_early() {
   if (early_.empty()) early_bytes_ = 0;
 }
 
+// Notes that a chunk was received.
+void CellWishes::note(std::size_t number) {
+  if (taken_.size() <= number) taken_.resize(number + 1);
+  taken_[number] = true;
+  ++received_;
+  open_ -= std::min<std::size_t>(open_, 1);
+}
+
 // Passes a chunk on if its offset is known. Else keeps it until then.
 void CellWishes::pass(std::size_t number, std::vector<std::byte> chunk) {
   if (number >= kMaxNumbered || (number < taken_.size() && taken_[number])) return;
-  if (first_ + number < offsets_.size()) {
-    if (taken_.size() <= number) taken_.resize(number + 1);
-    taken_[number] = true;
+  if (!feed_->takes_bytes()) {
+    note(number);
+  } else if (first_ + number < offsets_.size()) {
+    note(number);
     feed_->add(offsets_[first_ + number], std::move(chunk));
   } else if (!has_all_places()) {
     early_bytes_ += chunk.size();
@@ -114,8 +158,10 @@ void CellWishes::pass(std::size_t number, std::vector<std::byte> chunk) {
 bool CellWishes::update() {
   const bool wants = feed_->take_wanted(wanted_);
   if (wants) asked_again_.clear();
-  if (has_all_places() ? !wants : !std::exchange(changed_, false)) return !again_.empty();
+  const bool more = wants || (cut_ && open_ == 0);
+  if (has_all_places() ? !more : !std::exchange(changed_, false)) return !again_.empty();
   names_.clear();
+  cut_ = false;
   if (has_all_places())
     name_wanted();
   else
@@ -140,7 +186,10 @@ void CellWishes::name_first() {
 
 void CellWishes::name_wanted() {
   for (const qnv::ChunkRange& range : wanted_) {
-    if (names_.size() >= net::CellClient::kMostPreferred) break;
+    if (names_.size() >= net::CellClient::kMostPreferred) {
+      cut_ = true;
+      break;
+    }
     const auto at = std::ranges::lower_bound(offsets_, range.offset);
     const auto place = static_cast<std::size_t>(at - offsets_.begin());
     if (at == offsets_.end() || *at != range.offset || place < first_) continue;
@@ -151,10 +200,12 @@ void CellWishes::name_wanted() {
       if (!range.again || asked_again_[number]) continue;
       asked_again_[number] = true;
       taken_[number] = false;
+      --received_;
       again_.push_back(cell_of_number(number));
     }
     names_.push_back(cell_of_number(number));
   }
+  open_ = names_.size();
 }
 
 bool CellWishes::rests() const {

@@ -3,11 +3,13 @@
 #include "qnv/codecs/octree/lod/lod_source.h"
 #include "qnv/codecs/payloads.h"
 #include "qnv/codecs/values/chunk_places.h"
+#include "qnv/reader/step_order.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -53,23 +55,27 @@ bool DirectoryRequests::set_directory(std::span<const std::byte> chunks) {
 
 void DirectoryRequests::note(const LodView& view) {
   const std::lock_guard lock(mutex_);
-  const auto same = std::ranges::find(views_, view.viewport, &LodView::viewport);
+  const auto same = std::ranges::find(views_, view.viewport, [](const Viewed& viewed) { return viewed.view.viewport; });
   if (same != views_.end()) {
-    *same = view;
+    const std::uint32_t before = same->view.volume.step, step = view.volume.step;
+    if (step != before) same->backwards = plays_backwards(before, step, header_.steps.times.size());
+    same->view = view;
     return;
   }
   if (views_.size() == kViews) views_.erase(views_.begin());
-  views_.push_back(view);
+  views_.push_back({view});
 }
 
 void DirectoryRequests::forget(std::uint32_t viewport) {
   const std::lock_guard lock(mutex_);
-  std::erase_if(views_, [&](const LodView& view) { return view.viewport == viewport; });
+  std::erase_if(views_, [&](const Viewed& viewed) { return viewed.view.viewport == viewport; });
 }
 
 std::vector<LodView> DirectoryRequests::views() const {
   const std::lock_guard lock(mutex_);
-  return views_;
+  std::vector<LodView> views;
+  for (const Viewed& viewed : views_) views.push_back(viewed.view);
+  return views;
 }
 
 // Reports whether a chunk changes the picture of a view.
@@ -84,15 +90,25 @@ bool DirectoryRequests::is_first(const DirectoryEntry& entry, const LodView& vie
 
 std::vector<ChunkRange> DirectoryRequests::wanted() const {
   const std::lock_guard lock(mutex_);
-  std::vector<ChunkRange> first, last;
-  first.reserve(entries_.size());
+  const bool all_first = !by_view_ || views_.empty(), series = !all_first && !header_.steps.times.empty();
+  std::vector<PlayedStep> played;
+  for (const Viewed& viewed : views_) played.push_back({viewed.view.volume.step, viewed.backwards});
+  const StepOrder steps(series ? header_.steps.times.size() : 0, played);
+  // Visible chunks of needed steps come first, then the hidden ones of these steps, then the other steps.
+  constexpr std::uint32_t kHidden = StepOrder::kOther, kOthers = 2 * StepOrder::kOther;
+  std::array<std::vector<ChunkRange>, kOthers + 2> parts;
   for (const DirectoryEntry& entry : entries_) {
-    const bool visible = !by_view_ || views_.empty() ||
-                         std::ranges::any_of(views_, [&](const LodView& view) { return is_first(entry, view); });
-    (visible ? first : last).push_back({entry.offset, entry.bytes});
+    const bool visible =
+        all_first || std::ranges::any_of(views_, [&](const Viewed& viewed) { return is_first(entry, viewed.view); });
+    // Blocks have a level of at least 1, runs of cubes have none.
+    const std::uint32_t rank = series ? steps.rank(entry.parent, entry.level > 0) : 0;
+    const std::uint32_t part = rank == StepOrder::kOther ? kOthers + (visible ? 0 : 1) : rank + (visible ? 0 : kHidden);
+    parts[part].push_back({entry.offset, entry.bytes});
   }
-  first.insert(first.end(), last.begin(), last.end());
-  return first;
+  std::vector<ChunkRange> ranges;
+  ranges.reserve(entries_.size());
+  for (const std::vector<ChunkRange>& part : parts) ranges.insert(ranges.end(), part.begin(), part.end());
+  return ranges;
 }
 
 }  // namespace gs::qnv

@@ -17,7 +17,8 @@ namespace gs::qnv {
 /// view, then the others, both in the order of the stream. Codecs with RequestOrder::stream cannot profit from views
 /// and keep the order of the stream: each layer of records and of voxels spreads over the whole object, and the
 /// segments of a progressive mesh need their predecessors. Without views, all codecs keep it. For values of a volume,
-/// chunks that are finer than the pixels of all views also come last; short streams keep their order. Any thread.
+/// chunks that are finer than the pixels of all views also come last; short streams keep their order. Of time series,
+/// the chunks that the shown steps need come first, then those of the next steps. Any thread.
 class DirectoryRequests final : public ChunkRequests {
  public:
   explicit DirectoryRequests(const StreamHeader& header);
@@ -34,13 +35,17 @@ class DirectoryRequests final : public ChunkRequests {
  private:
   static constexpr std::size_t kViews = 16;
 
+  struct Viewed {
+    LodView view;
+    bool backwards = false;  // plays a time series backwards
+  };
   [[nodiscard]] bool is_first(const DirectoryEntry& entry, const LodView& view) const;
 
   const StreamHeader header_;  // without the base mesh
   const bool by_view_;         // the codec profits from views
   mutable std::mutex mutex_;   // guards all members below
   std::vector<DirectoryEntry> entries_;
-  std::vector<LodView> views_;  // one per viewport, the latest last
+  std::vector<Viewed> views_;  // one per viewport, the latest last
 };
 
 }  // namespace gs::qnv

@@ -2,6 +2,7 @@
 
 #include "qnv/codecs/shared/chunk_requests.h"
 #include "qnv/codecs/shared/volume_detail.h"
+#include "qnv/sampling/volume/volume_values.h"
 #include "render/splat/splat_budget.h"
 #include "render/splat/splat_pieces.h"
 
@@ -93,6 +94,7 @@ std::shared_ptr<const qnv::Volume> VolumePass::cut(const qnv::Volume& volume, co
   lod->viewport = options.viewport + (scene.instances[volume.requests.get()]++ << 16);
   lod->most_decoded = options.most_decoded;
   lod->volume = volume_needs(item, options.splat_style, scene.transfer, clip);
+  if (volume.values) lod->volume.step = volume.values->step;
   if (volume.detail) return volume.detail->cut(*lod, scene.working);
   volume.requests->note(*lod);
   return nullptr;

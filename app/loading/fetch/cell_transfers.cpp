@@ -92,7 +92,8 @@ void CellTransfers::open(Fetch& fetch, const net::Url& url) {
     if (!loading_.options.by_view && !(loading_.options.large_by_view && whole)) return;
     const std::shared_ptr<StreamFeed> feed = at->fetch->handler->feed();
     if (!feed) return;
-    if (!feed->takes_bytes() || !whole || !at->stream->follow_wishes(feed, bytes)) {
+    const bool views_choose = loading_.options.by_view || feed->takes_bytes();
+    if (!whole || !views_choose || !at->stream->follow_wishes(feed, bytes)) {
       if (!loading_.options.by_view) return;
       at->stream->follow(feed);
     }

@@ -18,6 +18,7 @@ struct VolumeNeeds {
   bool values = true;                             // values are read, not only vectors
   bool exact = false;                             // values are read, and should be as exact as the stream has them
   bool only_slices = false;                       // vectors are hidden
+  std::uint32_t step = 0;                         // of a time series
   glm::vec4 clip{0};                              // vectors with dot(clip, (p, 1)) < 0 are hidden; zero means none
   std::array<glm::vec4, 3> slices{};              // planes that show values; zero means none
   std::optional<std::bitset<256>> hidden_classes; // of vectors; nullopt means those that the stream's transfer function

@@ -4,6 +4,7 @@
 #include "qnv/codecs/shared/volume_detail.h"
 #include "qnv/codecs/values/bricks/brick_volume.h"
 #include "qnv/codecs/values/encode/values_stream.h"
+#include "qnv/reader/directory_requests.h"
 #include "tests/app/loading/fetch/cell_site.h"
 #include "tests/geometries.h"
 #include "tests/qnv/volume_sources.h"
@@ -186,4 +187,61 @@ TEST_CASE("cells: A directory that is damaged ends the wishes with an error") {
   // Numbers beyond all chunks are ignored.
   CHECK(wishes.take({15, 0xfffff}, cut.chunks[0].second).empty());
   CHECK_FALSE(wishes.take({kPlacesStream, 0xfffff}, cut.places[0]).empty());
+}
+
+TEST_CASE("cells: Wishes of a time series name the chunks of the shown step first, and end with the last one") {
+  qnv::VolumeSource source;
+  std::mt19937 random(3);
+  for (int step = 0; step < 10; ++step) {
+    source.steps.push_back(
+        test::volume_of(test::oblique(20, 16, 12), [&](std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+          return static_cast<float>(x + y * z) + static_cast<float>(random() % 100);
+        }));
+    source.times.push_back(step);
+  }
+  source.layout = source.steps[0].layout;
+  source.read = source.steps[0].read;
+  const auto encoded = qnv::encode_values(source, {});
+  REQUIRE(std::holds_alternative<qnv::EncodedStream>(encoded));
+  const auto& stream = std::get<qnv::EncodedStream>(encoded);
+  qnv::StreamHeader header = stream.header;
+  header.directory = std::uint64_t{9} << 20;  // of a long stream
+  const std::vector<std::byte> base = qnv::encode_header(header);
+  std::vector<std::vector<std::byte>> chunks, places;
+  const auto rest = std::span(stream.bytes).subspan(base.size());
+  for (std::size_t at = 0; at < rest.size();) {
+    const auto head = qnv::chunk_head(rest.subspan(at));
+    REQUIRE(head);
+    const auto chunk = rest.subspan(at, head->bytes);
+    if (head->type == qnv::ChunkType::directory)
+      places.emplace_back(chunk.begin(), chunk.end());
+    else if (head->type != qnv::ChunkType::parity)
+      chunks.emplace_back(chunk.begin(), chunk.end());
+    at += head->bytes;
+  }
+  REQUIRE(places.size() == 1);
+  const auto requests = std::make_shared<qnv::DirectoryRequests>(header);
+  const auto feed = std::make_shared<StreamFeed>(requests, [] {});
+  REQUIRE(CellWishes::suits(*feed, base));
+  CHECK_FALSE(CellWishes::suits(*feed, std::span(base).first(20)));
+  CellWishes wishes(feed, base, 1);
+  REQUIRE(wishes.update());
+  // A feed that takes no bytes leaves the chunks to the reader thread, which needs no offsets.
+  CHECK(wishes.take({0, 0}, chunks[0]).empty());
+  CHECK(wishes.take({kPlacesStream, 0}, places[0]).empty());
+  REQUIRE(wishes.update());
+  CHECK(wishes.names().size() == chunks.size() - 1);
+  qnv::LodView view;
+  view.volume.step = 9;
+  requests->note(view);
+  feed->ask();
+  REQUIRE(wishes.update());
+  CHECK(wishes.names().size() == chunks.size() - 1);
+  CHECK(wishes.names().front() != net::ChunkName{0, 1});
+  for (const net::ChunkName& name : std::vector(wishes.names())) {
+    CHECK_FALSE(wishes.complete());
+    CHECK(wishes.take(name, chunks[number_of_cell(name)]).empty());
+    CHECK(wishes.take(name, chunks[number_of_cell(name)]).empty());
+  }
+  CHECK(wishes.complete());
 }
