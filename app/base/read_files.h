@@ -27,7 +27,9 @@ struct FileRequest {
 };
 
 /// Result for a file that does not exist.
-struct NoFile {};
+struct NoFile {
+  std::string why = {};  // as a message; may be empty
+};
 
 /// Bytes of a file, or its absence, or the error message.
 using FileResult = std::variant<SharedBytes, NoFile, std::string>;

@@ -7,6 +7,9 @@
 #include "net/load/transport.h"
 #include "net/ssh/ssh_link.h"
 
+#include <sys/socket.h>
+#include <sys/un.h>
+
 namespace gs::net {
 
 /// Space of documents that were read over ssh. They are private, and may not refer to this machine.
@@ -19,6 +22,12 @@ inline constexpr Milliseconds kEncodingTime{30 * 60'000};
                                                        std::shared_ptr<SshLink>& link);
 /// Returns the name of a link for curl.
 [[nodiscard]] std::string ssh_socket_name(const SshLink& link);
+/// Listens at an address without a name that the system chooses, for one connection of this process. Sets `address`.
+/// Returns an empty descriptor on failure. curl 7.88 connects each socket that it gets, even one that is connected.
+[[nodiscard]] Descriptor listen_for_self(sockaddr_un& address, socklen_t& bytes);
+/// Accepts the connection of this process, which exists already. Refuses those of other processes. Returns an empty
+/// descriptor if there is none.
+[[nodiscard]] Descriptor accept_self(const Descriptor& listener);
 /// Returns the URL of a request over ssh. Its host is constant, because the link decides where the request goes.
 [[nodiscard]] std::string http_of_ssh(Url url);
 /// Translates a failure of ssh into a transfer result.

@@ -2,6 +2,7 @@
 #include <array>
 #include <chrono>
 #include <cstdlib>
+#include <cstring>
 #include <memory>
 #include <string_view>
 #include <unordered_map>
@@ -94,6 +95,7 @@ class CurlTransport final : public HttpTransport {
     bool proxied = false;                        // the proxy resolves the host
     bool by_ftp = false;
     std::shared_ptr<SshLink> ssh;  // null for other schemes
+    Descriptor ssh_listener;       // for a new connection of curl to the link, until it is connected
     std::uint64_t left = 0;  // remaining bytes of an FTP file
     bool head_done = false, discarding = false, enough = false;
     bool wants_pause = false, paused = false, over = false;
@@ -117,7 +119,15 @@ class CurlTransport final : public HttpTransport {
   /// Refuses to connect to addresses that the document may not reach.
   static curl_socket_t open_socket_callback(void* user, curlsocktype, curl_sockaddr* address) {
     auto& transfer = *static_cast<Transfer*>(user);
-    if (transfer.ssh) return transfer.ssh->connect().release();
+    if (transfer.ssh) {
+      sockaddr_un place{};
+      socklen_t bytes = 0;
+      transfer.ssh_listener = listen_for_self(place, bytes);
+      if (!transfer.ssh_listener || transfer.ssh->failure()) return CURL_SOCKET_BAD;
+      std::memcpy(&address->addr, &place, bytes);
+      address->addrlen = bytes;
+      return ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    }
     if (!transfer.proxied && !transfer.transport->may_reach(transfer, ip_address_of(&address->addr)))
       return CURL_SOCKET_BAD;
     const int socket = ::socket(address->family, address->socktype | SOCK_CLOEXEC, address->protocol);
@@ -131,14 +141,16 @@ class CurlTransport final : public HttpTransport {
   /// Checks the host's address before each request, also on a reused connection.
   static int request_callback(void* user, char* address, char*, int, int) {
     auto& transfer = *static_cast<Transfer*>(user);
-    if (transfer.proxied || transfer.ssh) return CURL_PREREQFUNC_OK;
+    if (transfer.proxied) return CURL_PREREQFUNC_OK;
+    if (transfer.ssh) {
+      const Descriptor listener = std::exchange(transfer.ssh_listener, Descriptor());
+      if (!listener) return CURL_PREREQFUNC_OK;  // a connection that was used before
+      Descriptor other_end = accept_self(listener);
+      return other_end && transfer.ssh->take(std::move(other_end)) ? CURL_PREREQFUNC_OK : CURL_PREREQFUNC_ABORT;
+    }
     return transfer.transport->may_reach(transfer, ip_address_of(std::string(address ? address : "")))
                ? CURL_PREREQFUNC_OK
                : CURL_PREREQFUNC_ABORT;
-  }
-
-  static int socket_callback(void* user, curl_socket_t, curlsocktype) {
-    return static_cast<Transfer*>(user)->ssh ? CURL_SOCKOPT_ALREADY_CONNECTED : CURL_SOCKOPT_OK;
   }
 
   static int progress_callback(void* user, curl_off_t, curl_off_t, curl_off_t, curl_off_t) {
@@ -285,8 +297,6 @@ void CurlTransport::set_ssh_options(Transfer& transfer, const Url& url) {
   if (!transfer.ssh) return;
   transfer.space = kSshSpace;
   curl().curl_easy_setopt(easy, CURLOPT_ABSTRACT_UNIX_SOCKET, ssh_socket_name(*transfer.ssh).c_str());
-  curl().curl_easy_setopt(easy, CURLOPT_SOCKOPTFUNCTION, &socket_callback);
-  curl().curl_easy_setopt(easy, CURLOPT_SOCKOPTDATA, &transfer);
 }
 
 /// Sets options for FTP: anonymous (RFC 1635), whole files (RFC 959), passive mode (RFC 2428), one file per connection.

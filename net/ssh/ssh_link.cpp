@@ -66,13 +66,17 @@ SshLink::~SshLink() {
 
 Descriptor SshLink::connect() {
   auto [ours, theirs] = socket_pair();
+  return theirs && take(std::move(theirs)) ? std::move(ours) : Descriptor();
+}
+
+bool SshLink::take(Descriptor socket) {
   {
     const std::lock_guard lock(mutex_);
-    if (failure_ || waiting_.size() >= kMaxWaitingSockets || !theirs) return {};
-    waiting_.push_back(std::move(theirs));
+    if (failure_ || waiting_.size() >= kMaxWaitingSockets) return false;
+    waiting_.push_back(std::move(socket));
   }
   wake_.ring();
-  return std::move(ours);
+  return true;
 }
 
 void SshLink::set_report(Report report) {

@@ -47,6 +47,8 @@ class SshLink : NonCopyable {
   /// Returns a socket that is connected to an HTTP server for the files of the machine. It is usable at once; its
   /// requests wait until ssh is connected. Returns an empty descriptor if the link is over.
   [[nodiscard]] Descriptor connect();
+  /// Connects the other end of a socket in the same way. Returns false if the link is over.
+  [[nodiscard]] bool take(Descriptor socket);
   void set_report(Report report);
   /// Reports whether ssh is still connecting, and may wait for the user.
   [[nodiscard]] bool connecting() const { return connecting_; }

@@ -71,7 +71,12 @@ void GeometryHandler::read_whole(std::span<const std::byte> bytes, const std::st
 }
 
 void GeometryHandler::read_volume(const ContentType& type, const GeometryFile& file) {
-  auto source = open_volume_source(type, file, loading_.results.diagnostics(), loading_.budget);
+  Diagnostics diagnostics;
+  auto source = open_volume_source(type, file, diagnostics, loading_.budget);
+  for (Diagnostic one : diagnostics.entries()) {
+    if (one.file == file.path) one.file = found_.path;  // not that of a temporary file
+    loading_.results.diagnostics().add(std::move(one));
+  }
   if (!source) return;
   // Without views, only the finest version counts.
   if (loading_.options.by_view)

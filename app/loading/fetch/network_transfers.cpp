@@ -245,7 +245,7 @@ BytesResult NetworkTransfers::read_now(const net::Url& url, const net::Origin& f
   FileResult result = std::move(read_all_now({&wanted, 1}, from).front());
   if (auto* const bytes = std::get_if<SharedBytes>(&result)) return std::move(*bytes);
   if (auto* const problem = std::get_if<std::string>(&result)) return std::move(*problem);
-  return net::url_for_messages(url.text()) + ": not found";
+  return std::move(std::get<NoFile>(result).why);
 }
 
 namespace {
@@ -327,7 +327,7 @@ std::vector<FileResult> NetworkTransfers::read_all_now(std::span<const Wanted> w
       } else if (std::holds_alternative<net::LoadDone>(event.what)) {
         end(*request, one);
       } else if (auto* const error = std::get_if<net::LoadError>(&event.what)) {
-        finish(*request, is_absent_resource(*error) ? FileResult(NoFile()) : FileResult(std::move(error->message)));
+        finish(*request, is_absent_resource(*error) ? FileResult(NoFile{std::move(error->message)}) : FileResult(std::move(error->message)));
       }
     }
     if (open > 0 && loader_->queued_bytes() == 0) loading_.waker->wait(kLongestWait);

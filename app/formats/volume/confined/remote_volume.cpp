@@ -207,8 +207,7 @@ bool RemoteVolume::await() {
     answer = std::get_if<DecodeAnswer>(&answered);
   }
   Slot& slot = slots_[at];
-  if (answer && answer->good == 1)
-    if (std::string trouble = error_in(*answer); !trouble.empty()) trouble_ = std::move(trouble);
+  if (answer && answer->good == 1 && answer->text[0] != 0) trouble_ = error_in(*answer);
   const std::uint64_t read = answer && answer->good == 1 ? answer->count : 0;
   slot.count = static_cast<std::uint32_t>(std::min<std::uint64_t>(slot.count, read));
   return slot.count > 0;
