@@ -81,7 +81,7 @@ vrml::NodeId GltfMeshes::node(int mesh) {
   if (shapes.size() == 1) {
     entry->second = shapes.front();
   } else if (!shapes.empty()) {
-    entry->second = builder_.make(vrml::NodeKind::group);
+    entry->second = builder_.make(vrml::NodeKind::transform);  // several types are of the kind `group`
     builder_.set(entry->second, "children", std::move(shapes));
   }
   return entry->second;
