@@ -69,8 +69,10 @@ StepContent::Shared ViewerValues::step_geometry(Values& values, const View& view
 
 void ViewerValues::begin_reading(Values& values, const std::string& path) {
   values.coming = std::async(std::launch::async, [path, streamed = values.streamed, this] {
-    return streamed ? VolumeGrid::take(streamed->source, &stop_, own_budget(), VolumeGrid::kMaxVoxels, streamed.get())
-                    : VolumeGrid::read(path, &stop_, own_budget(), VolumeGrid::kMaxVoxels, component_);
+    const WorldBudget budget = own_budget();
+    budget->stop_when([this] { return stop_.load(); });  // also while a child reads
+    return streamed ? VolumeGrid::take(streamed->source, &stop_, budget, VolumeGrid::kMaxVoxels, streamed.get())
+                    : VolumeGrid::read(path, &stop_, budget, VolumeGrid::kMaxVoxels, component_);
   });
 }
 
