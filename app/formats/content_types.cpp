@@ -62,9 +62,8 @@ ContentType text_type(std::string_view name, std::string_view mime, std::string_
 bool is_glb(Bytes bytes) { return text_of(bytes).starts_with("glTF"); }
 
 Asset read_gltf(const ImportSource& source) {
-  constexpr int kX3DVersion = 40;  // the first one with physical materials
   auto scene = std::make_unique<vrml::SceneGraph>(source.path, source.budget);
-  if (source.for_x3d) scene->set_language(vrml::Language::x3d, kX3DVersion);
+  if (source.for_x3d) scene->set_language(vrml::Language::x3d, kX3DVersionOfGltf);
   bool whole = true;
   try {
     import_gltf(source.bytes, *scene, source.diagnostics, source.read_file);

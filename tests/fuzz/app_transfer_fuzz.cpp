@@ -3,6 +3,7 @@
 #include "app/formats/volume/confined/volume_transfer.h"
 #include "qnv/sampling/volume/volume_slices.h"
 #include "tests/fuzz/app_targets.h"
+#include "vrml/scene/scene_graph.h"
 
 #include <string>
 #include <variant>
@@ -22,6 +23,8 @@ bool run_asset_transfer(std::span<const std::byte> bytes) {
       for (const std::int32_t index : part.geometry.coord_index)
         require(index >= -1 && index < static_cast<std::int32_t>(part.geometry.positions.size()));
     }
+  if (const auto* const scene = std::get_if<SceneAsset>(&asset))
+    for (const vrml::NodeId root : scene->scene->roots()) require(scene->scene->contains(root));
   if (!std::holds_alternative<std::monostate>(asset)) {
     // The same asset can be written, and read again.
     require(can_transfer(asset));

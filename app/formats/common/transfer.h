@@ -38,6 +38,8 @@ class TransferWriter {
     list(values.span());
   }
   void text(std::string_view text) { list(std::span(text.data(), text.size())); }
+  /// Appends what another writer has written.
+  void append(const TransferWriter& other) { raw(other.bytes_); }
   [[nodiscard]] std::vector<std::byte> take() { return std::move(bytes_); }
 
  private:
@@ -95,6 +97,7 @@ class TransferReader {
     return static_cast<std::size_t>(count);
   }
   [[nodiscard]] bool empty() const { return rest_.empty(); }
+  [[nodiscard]] std::size_t left() const { return rest_.size(); }
 
  private:
   std::span<const std::byte> take(std::size_t count) {

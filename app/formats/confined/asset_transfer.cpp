@@ -3,6 +3,8 @@
 #include "app/formats/common/geometry_check.h"
 #include "app/formats/common/import_limits.h"
 #include "app/formats/common/transfer.h"
+#include "app/formats/confined/scene_transfer.h"
+#include "vrml/scene/scene_graph.h"
 
 #include <glm/geometric.hpp>
 
@@ -13,7 +15,7 @@
 namespace gs::app {
 namespace {
 
-enum class AssetTag : std::uint8_t { none, mesh, splats, gaussians };
+enum class AssetTag : std::uint8_t { none, mesh, splats, gaussians, scene };
 
 // ---- Meshes
 
@@ -271,12 +273,14 @@ void read_diagnostics(TransferReader& from, const ImportSource& source) {
 
 Asset read_content(TransferReader& from, const ImportSource& source) {
   const auto tag = from.value<std::uint8_t>();
-  require_possible(tag <= static_cast<std::uint8_t>(AssetTag::gaussians));
+  require_possible(tag <= static_cast<std::uint8_t>(AssetTag::scene));
   switch (static_cast<AssetTag>(tag)) {
     case AssetTag::none:
       return {};
     case AssetTag::mesh:
       return read_mesh_asset(from, source);
+    case AssetTag::scene:
+      return SceneAsset(read_scene(from, source));
     case AssetTag::splats: {
       qnv::Splats splats;
       read_splats(from, splats);
@@ -321,6 +325,7 @@ std::optional<ImportRequest> import_request_of(std::span<const std::byte> bytes)
 }
 
 bool can_transfer(const Asset& asset) {
+  if (const auto* const scene = std::get_if<SceneAsset>(&asset)) return can_transfer(*scene->scene);
   return std::holds_alternative<std::monostate>(asset) || std::holds_alternative<MeshAsset>(asset) ||
          std::holds_alternative<qnv::Splats>(asset) || std::holds_alternative<qnv::Gaussians>(asset);
 }
@@ -337,6 +342,9 @@ std::vector<std::byte> transfer_bytes(const Asset& asset, const Diagnostics& dia
   if (const auto* const mesh = std::get_if<MeshAsset>(&asset)) {
     to.value(AssetTag::mesh);
     write(to, *mesh);
+  } else if (const auto* const scene = std::get_if<SceneAsset>(&asset)) {
+    to.value(AssetTag::scene);
+    write_scene(to, *scene->scene);
   } else if (const auto* const gaussians = std::get_if<qnv::Gaussians>(&asset)) {
     to.value(AssetTag::gaussians);
     write(to, *gaussians);

@@ -27,7 +27,7 @@ struct ImportRequest {
 [[nodiscard]] std::vector<std::byte> transfer_bytes(const ImportRequest& request);
 [[nodiscard]] std::optional<ImportRequest> import_request_of(std::span<const std::byte> bytes);
 
-/// Reports whether transfer_bytes() can write an asset: nothing, a mesh, splats or Gaussians.
+/// Reports whether transfer_bytes() can write an asset: nothing, a mesh, an imported scene, splats or Gaussians.
 [[nodiscard]] bool can_transfer(const Asset& asset);
 /// Returns the bytes of an asset that can_transfer() accepts, with its diagnostics.
 [[nodiscard]] std::vector<std::byte> transfer_bytes(const Asset& asset, const Diagnostics& diagnostics);

@@ -18,8 +18,8 @@ constexpr std::chrono::minutes kImportPatience{10};  // the limits of a world st
 constexpr std::size_t kMostReferences = 10'000;      // files that one file may ask for
 
 bool is_confined(const ContentType& type, const ImportSource& source) {
-  const bool plain = (type.content == ContentClass::mesh && !type.has_nodes) || type.content == ContentClass::splats;
-  return plain && !DecoderPool::of_program().program().empty() &&
+  const bool imported = type.content == ContentClass::mesh || type.content == ContentClass::splats;
+  return imported && !DecoderPool::of_program().program().empty() &&
          !(source.local && source.bytes.size() > kMostLocalBytes);
 }
 

@@ -10,9 +10,9 @@
 
 namespace gs::app {
 
-/// Imports a file as `type.read` does: meshes without nodes, splats and points in a confined child (app/confined).
-/// The child has no files; this process reads those that the file refers to. Other types are read in this process, as
-/// are local files of more than kMostLocalBytes, because copying their results takes too long. Volumes have a child of their own
+/// Imports a file as `type.read` does: meshes, scenes (glTF), splats and points in a confined child (app/confined). The
+/// child has no files; this process reads those that the file refers to. Local files of more than kMostLocalBytes are
+/// read in this process, because copying their results takes too long. Volumes have a child of their own
 /// (app/formats/volume/confined).
 [[nodiscard]] Asset read_confined(const ContentType& type, const ImportSource& source);
 inline constexpr std::size_t kMostLocalBytes = std::size_t{8} << 20;

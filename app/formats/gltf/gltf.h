@@ -9,6 +9,9 @@
 
 namespace gs::app {
 
+/// Version of X3D scenes of glTF: the first one with physical materials.
+inline constexpr int kX3DVersionOfGltf = 40;
+
 /// Imports a glTF 2.0 asset, .gltf or .glb, into `scene`. Nodes become Transforms. Primitives become Shapes with
 /// IndexedFaceSet, IndexedLineSet or PointSet. Perspective cameras become Viewpoints.
 ///
