@@ -16,7 +16,7 @@
 namespace gs::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr int kFloat = 5126, kUnsignedByte = 5121, kArrayBuffer = 34962, kPoints = 0;
 constexpr std::size_t kSplatBytes = 12 + 16 + 12 + 4 + 12 + 4;
@@ -30,12 +30,12 @@ class Attributes {
 
   /// Adds an attribute. `put` appends the values of one splat, a multiple of four bytes. Returns the accessor.
   template <class Put>
-  Json& add(const std::string& name, const char* type, int component_type, bool normalized, Put&& put) {
+  OrderedJson& add(const std::string& name, const char* type, int component_type, bool normalized, Put&& put) {
     const std::size_t start = bytes.size();
     for (const ExportSplat& splat : splats_) put(splat);
     views.push_back(
         {{"buffer", 0}, {"byteOffset", start}, {"byteLength", bytes.size() - start}, {"target", kArrayBuffer}});
-    Json accessor = {
+    OrderedJson accessor = {
         {"bufferView", views.size() - 1}, {"componentType", component_type}, {"count", splats_.size()}, {"type", type}};
     if (normalized) accessor["normalized"] = true;
     attributes[name] = accessors.size();
@@ -43,12 +43,12 @@ class Attributes {
     return accessors.back();
   }
   template <class Put>
-  Json& add_floats(const std::string& name, const char* type, Put&& put) {
+  OrderedJson& add_floats(const std::string& name, const char* type, Put&& put) {
     return add(name, type, kFloat, false, put);
   }
 
   std::vector<std::byte> bytes;
-  Json views = Json::array(), accessors = Json::array(), attributes = Json::object();
+  OrderedJson views = OrderedJson::array(), accessors = OrderedJson::array(), attributes = OrderedJson::object();
 
  private:
   const std::vector<ExportSplat>& splats_;
@@ -57,7 +57,7 @@ class Attributes {
 /// Converts display sRGB to linear light (IEC 61966-2-1).
 float linear_of_display(float c) { return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f); }
 
-void add_bounds(const std::vector<ExportSplat>& splats, Json& accessor) {
+void add_bounds(const std::vector<ExportSplat>& splats, OrderedJson& accessor) {
   Box box;
   for (const ExportSplat& splat : splats) box.add(splat.position);
   accessor["min"] = {box.lower.x, box.lower.y, box.lower.z};
@@ -92,29 +92,29 @@ void add_all(const ExportSplats& made, Attributes& to) {
   });
 }
 
-Json document_of(const Attributes& attributes, const glm::dvec3& origin, const ExportOptions& options) {
-  Json document;
+OrderedJson document_of(const Attributes& attributes, const glm::dvec3& origin, const ExportOptions& options) {
+  OrderedJson document;
   document["asset"] = {{"version", "2.0"}, {"generator", "GhostSpace"}};
   document["scene"] = 0;
   if (attributes.bytes.empty()) {
-    document["scenes"] = {Json::object()};  // glTF forbids empty arrays, so write a scene without nodes.
+    document["scenes"] = {OrderedJson::object()};  // glTF forbids empty arrays, so write a scene without nodes.
     return document;
   }
   const char* const extension = "KHR_gaussian_splatting";
   document["extensionsUsed"] = {extension};
   document["scenes"] = {{{"nodes", {0}}}};
-  Json node = {{"mesh", 0}};
+  OrderedJson node = {{"mesh", 0}};
   if (!options.title.empty()) node["name"] = options.title;
   if (origin != glm::dvec3(0)) node["translation"] = {origin.x, origin.y, origin.z};
   document["nodes"] = {std::move(node)};
-  Json primitive = {{"mode", kPoints}, {"attributes", attributes.attributes}};
+  OrderedJson primitive = {{"mode", kPoints}, {"attributes", attributes.attributes}};
   primitive["extensions"][extension] = {{"kernel", "ellipse"},
                                         {"colorSpace", "srgb_rec709_display"},
                                         {"projection", "perspective"},
                                         {"sortingMethod", "cameraDistance"}};
-  Json mesh;
-  mesh["primitives"] = Json::array({std::move(primitive)});
-  document["meshes"] = Json::array({std::move(mesh)});
+  OrderedJson mesh;
+  mesh["primitives"] = OrderedJson::array({std::move(primitive)});
+  document["meshes"] = OrderedJson::array({std::move(mesh)});
   document["buffers"] = {{{"byteLength", attributes.bytes.size()}}};
   document["bufferViews"] = attributes.views;
   document["accessors"] = attributes.accessors;
@@ -133,7 +133,7 @@ Exported export_glb_splats(const qnv::Geometry& geometry, const ExportOptions& o
   Attributes attributes(made.splats);
   if (!made.splats.empty()) add_all(made, attributes);
   return glb_file(document_of(attributes, geometry.description().origin, options)
-                      .dump(-1, ' ', false, Json::error_handler_t::replace),
+                      .dump(-1, ' ', false, OrderedJson::error_handler_t::replace),
                   attributes.bytes);
 }
 

@@ -14,7 +14,7 @@
 namespace gs::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 // Constants of glTF 2.0, 5.1.3, 5.11.5, 5.26.
 constexpr int kFloats = 5126, kUnsignedBytes = 5121, kIndices = 5125, kVertexBuffer = 34962, kIndexBuffer = 34963,
@@ -23,7 +23,7 @@ constexpr int kFloats = 5126, kUnsignedBytes = 5121, kIndices = 5125, kVertexBuf
 /// Binary part of a GLB file, with its views and accessors.
 struct MeshBuffer {
   std::vector<std::byte> bytes;
-  Json views = Json::array(), accessors = Json::array();
+  OrderedJson views = OrderedJson::array(), accessors = OrderedJson::array();
 
   /// Adds a buffer view for the bytes that `put` appends. Pads the buffer to a multiple of four bytes. Returns the
   /// index of the view.
@@ -31,7 +31,7 @@ struct MeshBuffer {
   std::size_t add_view(int target, const Put& put) {
     const std::size_t start = bytes.size();
     put();
-    Json view = {{"buffer", 0}, {"byteOffset", start}, {"byteLength", bytes.size() - start}};
+    OrderedJson view = {{"buffer", 0}, {"byteOffset", start}, {"byteLength", bytes.size() - start}};
     if (target != 0) view["target"] = target;
     bytes.resize((bytes.size() + 3) / 4 * 4);
     views.push_back(std::move(view));
@@ -55,7 +55,7 @@ std::uint8_t linear_byte(std::uint8_t display) {
 bool is_png(const std::vector<std::byte>& file) { return !file.empty() && file[0] == std::byte{0x89}; }
 
 /// Builds a primitive. `pictured` selects the triangles with or without texture.
-Json primitive_of(const qnv::IndexedMesh& mesh, bool pictured, MeshBuffer& buffer) {
+OrderedJson primitive_of(const qnv::IndexedMesh& mesh, bool pictured, MeshBuffer& buffer) {
   const std::size_t border = mesh.first_textured();
   const std::size_t first = pictured ? border : 0, end = pictured ? mesh.size() : border;
   std::vector<std::uint32_t> indices;
@@ -66,7 +66,7 @@ Json primitive_of(const qnv::IndexedMesh& mesh, bool pictured, MeshBuffer& buffe
     for (std::size_t v = first; v < end; ++v)
       for (int k = 0; k < 3; ++k) put_little(buffer.bytes, vectors[v][k]);
   };
-  Json attributes;
+  OrderedJson attributes;
   const std::size_t positions = buffer.add("VEC3", kFloats, end - first, [&] { put_vectors(mesh.positions); });
   Box box;
   for (std::size_t v = first; v < end; ++v) box.add(mesh.positions[v]);
@@ -107,19 +107,19 @@ Exported export_glb_mesh(const qnv::IndexedMesh& mesh, const ExportOptions& opti
            ")";
   MeshBuffer buffer;
   buffer.bytes.reserve(about);
-  Json materials = Json::array(), primitives = Json::array(), document;
+  OrderedJson materials = OrderedJson::array(), primitives = OrderedJson::array(), document;
   document["asset"] = {{"version", "2.0"}, {"generator", "GhostSpace"}};
   document["scene"] = 0;
   document["scenes"] = {{{"nodes", {0}}}};
-  Json node = {{"mesh", 0}};
+  OrderedJson node = {{"mesh", 0}};
   if (!options.title.empty()) node["name"] = options.title;
   const glm::dvec3& origin = mesh.description.origin;
   if (origin != glm::dvec3(0)) node["translation"] = {origin.x, origin.y, origin.z};
   document["nodes"] = {std::move(node)};
   for (const bool pictured : {false, true}) {
-    Json primitive = primitive_of(mesh, pictured, buffer);
+    OrderedJson primitive = primitive_of(mesh, pictured, buffer);
     if (primitive.is_null()) continue;
-    Json surface = {{"metallicFactor", 0}, {"roughnessFactor", 1}};
+    OrderedJson surface = {{"metallicFactor", 0}, {"roughnessFactor", 1}};
     if (pictured && mesh.picture) {
       const std::vector<std::byte>& file = mesh.picture->bytes;
       const std::size_t view =
@@ -134,7 +134,7 @@ Exported export_glb_mesh(const qnv::IndexedMesh& mesh, const ExportOptions& opti
       const auto part = [](std::uint8_t v) { return static_cast<float>(linear_byte(v)) / 255.0f; };
       surface["baseColorFactor"] = {part(c.r), part(c.g), part(c.b), 1};
     }
-    Json material = {{"pbrMetallicRoughness", std::move(surface)}};
+    OrderedJson material = {{"pbrMetallicRoughness", std::move(surface)}};
     if (mesh.description.two_sided) material["doubleSided"] = true;
     primitive["material"] = materials.size();
     materials.push_back(std::move(material));
@@ -146,7 +146,7 @@ Exported export_glb_mesh(const qnv::IndexedMesh& mesh, const ExportOptions& opti
   document["buffers"] = {{{"byteLength", buffer.bytes.size()}}};
   document["bufferViews"] = std::move(buffer.views);
   document["accessors"] = std::move(buffer.accessors);
-  return glb_file(document.dump(-1, ' ', false, Json::error_handler_t::replace), buffer.bytes);
+  return glb_file(document.dump(-1, ' ', false, OrderedJson::error_handler_t::replace), buffer.bytes);
 }
 
 }  // namespace gs::app

@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kMostLevels = 64, kMostImages = 64, kMostChannels = 4096;
+constexpr std::size_t kMostOmeLevels = 64, kMostOmeImages = 64, kMostOmeChannels = 4096;
 
 std::string ome_text(const json& object, const char* name) {
   const json& value = zarr_member(object, name);
@@ -96,7 +96,7 @@ OmeMatrix ome_matrix(const json& transformation, std::size_t count, int depth) {
     }
   } else if (type == "sequence" && depth < 8) {
     const json& parts = zarr_member(transformation, "transformations");
-    if (parts.is_array() && parts.size() <= kMostLevels)
+    if (parts.is_array() && parts.size() <= kMostOmeLevels)
       for (const json& part : parts) matrix = ome_product(ome_matrix(part, count, depth + 1), matrix);
   }
   return matrix;
@@ -104,7 +104,7 @@ OmeMatrix ome_matrix(const json& transformation, std::size_t count, int depth) {
 
 OmeMatrix ome_matrix_of_list(const json& list, std::size_t count) {
   OmeMatrix matrix = ome_identity(count);
-  if (list.is_array() && list.size() <= kMostLevels)
+  if (list.is_array() && list.size() <= kMostOmeLevels)
     for (const json& one : list) matrix = ome_product(ome_matrix(one, count, 0), matrix);
   return matrix;
 }
@@ -117,7 +117,7 @@ std::vector<ZarrImage> zarr_images(const json& attributes, const std::string& gr
   std::vector<ZarrImage> images;
   if (!list.is_array()) return images;
   for (const json& one : list) {
-    if (images.size() == kMostImages) break;
+    if (images.size() == kMostOmeImages) break;
     ZarrImage image;
     image.group = group;
     image.name = ome_text(one, "name");
@@ -130,7 +130,7 @@ std::vector<ZarrImage> zarr_images(const json& attributes, const std::string& gr
     if (!levels.is_array()) continue;
     for (const json& level : levels) {
       const std::string path = ome_text(level, "path");
-      if (path.empty() || image.levels.size() == kMostLevels) continue;
+      if (path.empty() || image.levels.size() == kMostOmeLevels) continue;
       const OmeMatrix whole =
           ome_product(outer, ome_matrix_of_list(zarr_member(level, "coordinateTransformations"), count));
       ZarrLevel made{path, {}, {}};
@@ -145,7 +145,7 @@ std::vector<ZarrImage> zarr_images(const json& attributes, const std::string& gr
     const json& channels = zarr_member(zarr_member(ome, "omero"), "channels");
     if (channels.is_array())
       for (const json& channel : channels)
-        if (image.channels.size() < kMostChannels) image.channels.push_back(ome_text(channel, "label"));
+        if (image.channels.size() < kMostOmeChannels) image.channels.push_back(ome_text(channel, "label"));
     if (!image.levels.empty()) images.push_back(std::move(image));
   }
   return images;
