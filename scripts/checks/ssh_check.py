@@ -111,7 +111,7 @@ class Site:
     def run(self, *arguments, timeout=120):
         made = subprocess.run([PROGRAM, *arguments], env=self.environment(), capture_output=True, text=True,
                               stdin=subprocess.DEVNULL, timeout=timeout, start_new_session=True)
-        return made.returncode, made.stdout, made.stderr
+        return made.returncode, made.stdout, made.stdout + made.stderr
 
     def start_program(self, *arguments):
         return subprocess.Popen([PROGRAM, *arguments], env=self.environment(), stdout=subprocess.PIPE,

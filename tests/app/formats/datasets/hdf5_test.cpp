@@ -12,7 +12,7 @@ Bytes hdf5_seed(const std::string& name) {
 }
 
 /// Values of the ball in the files that the tests write.
-constexpr const char* kBall = R"(
+constexpr const char* kBallScript = R"(
 z, y, x = np.mgrid[0:20, 0:30, 0:40]
 ball = (100 * np.exp(-((x - 20)**2 + (y - 15)**2 + (z - 10)**2) / 60.)).astype('f4')
 )";
@@ -28,7 +28,7 @@ std::vector<float> values_of_first_slice(const qnv::VolumeSource& volume) {
 
 TEST_CASE("reads numbers of each type of HDF5") {
   const ScratchFolder folder;
-  if (!run_python(folder, std::string(kBall) + R"(
+  if (!run_python(folder, std::string(kBallScript) + R"(
 with h5py.File('a.h5', 'w') as f:
     for t in ('u1', 'i1', 'u2', '>u2', 'i2', '>i2', 'u4', 'i4', '>i4', 'u8', '>i8', 'f2', 'f4', '>f4', 'f8', '>f8'):
         f['n' + t.replace('>', 'be')] = np.arange(120).reshape(4, 5, 6).astype(t)
@@ -68,7 +68,7 @@ with h5py.File('a.h5', 'w') as f:
 
 TEST_CASE("axes of HDF5 arrays are time, components and space by their names or sizes") {
   const ScratchFolder folder;
-  if (!run_python(folder, std::string(kBall) + R"(
+  if (!run_python(folder, std::string(kBallScript) + R"(
 with h5py.File('a.h5', 'w') as f:
     d = f.create_dataset('a/ball', data=ball, chunks=(8, 8, 8), compression='gzip', shuffle=True)
     d.attrs['element_size_um'] = [2.0, 1.0, 0.5]; d.attrs['unit'] = 'mV'
@@ -113,7 +113,7 @@ with h5py.File('a.h5', 'w') as f:
 
 TEST_CASE("reads images of VTKHDF and meshes and particles of openPMD") {
   const ScratchFolder folder;
-  if (!run_python(folder, std::string(kBall) + R"(
+  if (!run_python(folder, std::string(kBallScript) + R"(
 with h5py.File('a.vtkhdf', 'w') as f:
     g = f.create_group('VTKHDF'); g.attrs['Version'] = [2, 0]; g.attrs.create('Type', b'ImageData', dtype='S9')
     g.attrs['WholeExtent'] = [0, 39, 0, 29, 0, 19]; g.attrs['Origin'] = [1., 2., 3.]; g.attrs['Spacing'] = [.5, .5, 1.]
@@ -162,7 +162,7 @@ with h5py.File('a.h5', 'w') as f:
 
 TEST_CASE("HDF5 files never lead to other files, and unknown filters are named") {
   const ScratchFolder folder;
-  if (!run_python(folder, std::string(kBall) + R"(
+  if (!run_python(folder, std::string(kBallScript) + R"(
 with h5py.File('other.h5', 'w') as f: f['secret'] = ball
 with h5py.File('a.h5', 'w') as f:
     f['link'] = h5py.ExternalLink('other.h5', '/secret')
@@ -187,7 +187,7 @@ with h5py.File('a.h5', 'w') as f:
 TEST_CASE("decodes filters that are not part of HDF5") {
   const ScratchFolder folder;
   // Encodes with the C libraries, because Debian has no plugins of HDF5.
-  if (!run_python(folder, std::string(kBall) + R"(
+  if (!run_python(folder, std::string(kBallScript) + R"(
 import ctypes, struct
 library = ctypes.CDLL
 raw = ball[:4].tobytes()
