@@ -11,6 +11,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <set>
@@ -91,7 +92,8 @@ TEST_CASE("step order: A view of a long series receives its step first") {
   };
   CHECK(offsets_of(by_view) == offsets_of(in_order));
 
-  const auto shown_after = [&](const std::vector<ChunkRange>& ranges, std::uint32_t step, std::uint64_t most) {
+  // Returns the largest error of a step after the first `most` bytes of these ranges.
+  const auto error_after = [&](const std::vector<ChunkRange>& ranges, std::uint32_t step, std::uint64_t most) {
     StreamDecoder decoder;
     (void)decoder.push(encode_header(stream.header));
     std::uint64_t bytes = 0;
@@ -107,22 +109,28 @@ TEST_CASE("step order: A view of a long series receives its step first") {
     ShownComponent shown;
     shown.step.number = step;
     const Geometry geometry = decoder.geometry();
-    return test::values_in(geometry.as<Volume>()->series->step(shown).as<Volume>()->values->source);
+    const auto values = test::values_in(geometry.as<Volume>()->series->step(shown).as<Volume>()->values->source);
+    const auto truth = test::values_in(source.steps[step]);
+    float largest = 0;
+    for (std::size_t i = 0; i < values.size(); ++i) largest = std::max(largest, std::abs(values[i] - truth[i]));
+    return largest;
   };
   std::uint64_t all = 0;
   for (const ChunkRange& range : in_order) all += range.bytes;
-  const auto expected = shown_after(in_order, kShown, all);
+  // The last corrections are exact only in a complete stream; before, the error is up to three times as large.
+  constexpr float kError = 0.01f, kNearly = 3 * kError;
+  CHECK(error_after(in_order, kShown, all) <= kError);
   const std::uint64_t part = all / 4;  // the chain has three of twenty steps
-  CHECK(shown_after(by_view, kShown, part) == expected);
-  CHECK(shown_after(in_order, kShown, part) != expected);
+  CHECK(error_after(by_view, kShown, part) <= kNearly);
+  CHECK(error_after(in_order, kShown, part) > 30 * kError);
   // Then come the next steps, in the direction of play.
-  CHECK(shown_after(by_view, kShown + 2, all / 2) == shown_after(in_order, kShown + 2, all));
+  CHECK(error_after(by_view, kShown + 2, all / 2) <= kNearly);
   view.volume.step = kShown - 1;
   requests.note(view);
   const auto backwards = requests.wanted();
-  CHECK(shown_after(backwards, kShown - 2, part) == shown_after(in_order, kShown - 2, all));
-  CHECK(shown_after(backwards, kShown - 4, 3 * all / 4) == shown_after(in_order, kShown - 4, all));
-  CHECK(shown_after(backwards, kShown + 4, 3 * all / 4) != shown_after(in_order, kShown + 4, all));
+  CHECK(error_after(backwards, kShown - 2, part) <= kNearly);
+  CHECK(error_after(backwards, kShown - 4, 3 * all / 4) <= kNearly);
+  CHECK(error_after(backwards, kShown + 4, 3 * all / 4) > 3 * kError);
 }
 
 }  // namespace step_order_test
