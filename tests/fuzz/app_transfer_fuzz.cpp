@@ -42,7 +42,7 @@ bool run_volume_transfer(std::span<const std::byte> bytes) {
   if (!volume) return false;
   for (const qnv::VolumeSource* const source : numbered_sources(*volume)) {
     require(!qnv::check(source->layout));
-    require(source->layout.dimensions == volume->layout.dimensions);
+    require(qnv::voxel_count(source->layout) <= qnv::voxel_count(volume->layout));
   }
   require(volume->times.size() == volume->steps.size());
   return true;
