@@ -8,6 +8,7 @@
 #include "qnv/codecs/payloads.h"
 #include "qnv/reader/directory_requests.h"
 #include "qnv/reader/stream_decoder.h"
+#include "qnv/sampling/volume/volume_values.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -98,6 +99,13 @@ bool GeometryHandler::show_next_version() {
   auto geometry = read_gradients(source, found_.path, !found_.local, loading_.results.diagnostics(), loading_.limit,
                                  loading_.budget);
   if (!geometry) return false;
+  if (auto* const volume = geometry->as<qnv::Volume>(); has_more() && volume && volume->values) {
+    // These are values of fewer voxels, with an unknown error.
+    const auto coarse = std::make_shared<qnv::VolumeValues>(*volume->values);
+    coarse->exact = false;
+    coarse->error.reset();
+    volume->values = coarse;
+  }
   auto held = hold_geometry(std::move(*geometry), loading_.budget);
   if (!held) {
     versions_.clear();
