@@ -184,9 +184,11 @@ TEST_CASE("a killed child ends its volume only") {
       (void)::kill(child, SIGKILL);
       break;
     }
-  std::size_t missing = 0;
-  for (std::uint32_t z = 50; z < 100; ++z) missing += slice_of(volume, z).empty();
-  CHECK(missing == 50);
+  // The child may give some slices before it is gone.
+  std::uint32_t first = 50;
+  while (first < 100 && !slice_of(volume, first).empty()) ++first;
+  CHECK(first < 100);
+  for (std::uint32_t z = 50; z < 100; ++z) CHECK(slice_of(volume, z).empty());
   CHECK_FALSE(slice_of(std::get<qnv::VolumeSource>(other), 50).empty());
   opened = std::string();
   CHECK(std::holds_alternative<qnv::VolumeSource>(open_volume_confined(path)));
