@@ -18,30 +18,31 @@ std::optional<std::string> find_ssh_link(const Url& url, const LoaderOptions& op
 
 std::string ssh_socket_name(const SshLink& link) { return "ghostspace-ssh-" + std::to_string(link.number()); }
 
-Descriptor listen_for_self(sockaddr_un& address, socklen_t& bytes) {
+Descriptor listen_for_self(sockaddr& address, unsigned& bytes) {
   Descriptor listener(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  address = {};
-  address.sun_family = AF_UNIX;
-  bytes = sizeof(address);
-  // An address of two bytes lets the system choose a name in the abstract name space (unix(7), autobind).
-  if (!listener || ::bind(listener.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(sa_family_t)) != 0 ||
-      ::listen(listener.get(), 8) != 0 ||
-      ::getsockname(listener.get(), reinterpret_cast<sockaddr*>(&address), &bytes) != 0)
+  // An address of two bytes lets the system choose a short name in the abstract name space (unix(7), autobind).
+  address.sa_family = AF_UNIX;
+  socklen_t size = sizeof(address);
+  constexpr int kWaiting = 8;
+  if (!listener || ::bind(listener.get(), &address, sizeof(sa_family_t)) != 0 ||
+      ::listen(listener.get(), kWaiting) != 0 || ::getsockname(listener.get(), &address, &size) != 0 ||
+      size > sizeof(address))
     return {};
+  bytes = size;
   return listener;
 }
 
-Descriptor accept_self(const Descriptor& listener) {
-  constexpr int kMostOthers = 8;
-  for (int i = 0; i <= kMostOthers; ++i) {
-    Descriptor socket(::accept4(listener.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
-    if (!socket) return {};
+bool connect_self(SshLink& link, Descriptor& listener) {
+  if (!listener) return true;
+  const Descriptor own = std::exchange(listener, Descriptor());
+  for (;;) {
+    Descriptor socket(::accept4(own.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+    if (!socket) return false;
     ucred peer{};
-    socklen_t bytes = sizeof(peer);
-    if (::getsockopt(socket.get(), SOL_SOCKET, SO_PEERCRED, &peer, &bytes) == 0 && peer.pid == ::getpid())
-      return socket;
+    socklen_t size = sizeof(peer);
+    if (::getsockopt(socket.get(), SOL_SOCKET, SO_PEERCRED, &peer, &size) == 0 && peer.pid == ::getpid())
+      return link.take(std::move(socket));
   }
-  return {};
 }
 
 std::string http_of_ssh(Url url) {

@@ -8,7 +8,6 @@
 #include "net/ssh/ssh_link.h"
 
 #include <sys/socket.h>
-#include <sys/un.h>
 
 namespace gs::net {
 
@@ -22,12 +21,13 @@ inline constexpr Milliseconds kEncodingTime{30 * 60'000};
                                                        std::shared_ptr<SshLink>& link);
 /// Returns the name of a link for curl.
 [[nodiscard]] std::string ssh_socket_name(const SshLink& link);
-/// Listens at an address without a name that the system chooses, for one connection of this process. Sets `address`.
-/// Returns an empty descriptor on failure. curl 7.88 connects each socket that it gets, even one that is connected.
-[[nodiscard]] Descriptor listen_for_self(sockaddr_un& address, socklen_t& bytes);
-/// Accepts the connection of this process, which exists already. Refuses those of other processes. Returns an empty
-/// descriptor if there is none.
-[[nodiscard]] Descriptor accept_self(const Descriptor& listener);
+/// Listens for one connection of this process, at an address that the system chooses and that curl then connects to.
+/// Sets `address` and its size. Returns an empty descriptor on failure. A connected socket would not do, because curl
+/// 7.88 connects each socket that it gets.
+[[nodiscard]] Descriptor listen_for_self(sockaddr& address, unsigned& bytes);
+/// Connects the other end of curl's connection at `listener` to a link, and closes the listener. Ignores connections of
+/// other processes. Returns false on failure; true without a listener, for a connection that was used before.
+[[nodiscard]] bool connect_self(SshLink& link, Descriptor& listener);
 /// Returns the URL of a request over ssh. Its host is constant, because the link decides where the request goes.
 [[nodiscard]] std::string http_of_ssh(Url url);
 /// Translates a failure of ssh into a transfer result.

@@ -120,13 +120,8 @@ class CurlTransport final : public HttpTransport {
   static curl_socket_t open_socket_callback(void* user, curlsocktype, curl_sockaddr* address) {
     auto& transfer = *static_cast<Transfer*>(user);
     if (transfer.ssh) {
-      sockaddr_un place{};
-      socklen_t bytes = 0;
-      transfer.ssh_listener = listen_for_self(place, bytes);
-      if (!transfer.ssh_listener || transfer.ssh->failure()) return CURL_SOCKET_BAD;
-      std::memcpy(&address->addr, &place, bytes);
-      address->addrlen = bytes;
-      return ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+      transfer.ssh_listener = listen_for_self(address->addr, address->addrlen);
+      return transfer.ssh_listener ? ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0) : CURL_SOCKET_BAD;
     }
     if (!transfer.proxied && !transfer.transport->may_reach(transfer, ip_address_of(&address->addr)))
       return CURL_SOCKET_BAD;
@@ -142,12 +137,8 @@ class CurlTransport final : public HttpTransport {
   static int request_callback(void* user, char* address, char*, int, int) {
     auto& transfer = *static_cast<Transfer*>(user);
     if (transfer.proxied) return CURL_PREREQFUNC_OK;
-    if (transfer.ssh) {
-      const Descriptor listener = std::exchange(transfer.ssh_listener, Descriptor());
-      if (!listener) return CURL_PREREQFUNC_OK;  // a connection that was used before
-      Descriptor other_end = accept_self(listener);
-      return other_end && transfer.ssh->take(std::move(other_end)) ? CURL_PREREQFUNC_OK : CURL_PREREQFUNC_ABORT;
-    }
+    if (transfer.ssh)
+      return connect_self(*transfer.ssh, transfer.ssh_listener) ? CURL_PREREQFUNC_OK : CURL_PREREQFUNC_ABORT;
     return transfer.transport->may_reach(transfer, ip_address_of(std::string(address ? address : "")))
                ? CURL_PREREQFUNC_OK
                : CURL_PREREQFUNC_ABORT;
