@@ -74,9 +74,10 @@ std::size_t order_in_time(const DicomSeries& series, Planes& planes) {
                       plane.frame, plane.segment, plane.instance == 0 ? plane.file : 0);
   };
   std::ranges::sort(planes, {}, key);
-  const auto copies = std::ranges::unique(planes, [&](std::uint32_t a, std::uint32_t b) { return key(a) == key(b); });
-  const std::size_t removed = copies.size();
-  planes.erase(copies.begin(), copies.end());
+  const auto same = [&](std::uint32_t a, std::uint32_t b) { return key(a) == key(b); };
+  const auto copies = std::unique(planes.begin(), planes.end(), same);
+  const auto removed = static_cast<std::size_t>(planes.end() - copies);
+  planes.erase(copies, planes.end());
   return removed;
 }
 

@@ -318,7 +318,7 @@ class LegacyImporter {
         const auto share = [&](std::size_t i) {
           return std::clamp(static_cast<float>(parts[components > 2 ? i : 0] / most), 0.0f, 1.0f);
         };
-        data.colors.emplace_back(share(0), share(1), share(2));
+        data.colors.push_back({share(0), share(1), share(2)});
         return;
       }
       double length = 0;

@@ -143,7 +143,7 @@ class VtpImporter {
       part = 0;
       if (colors) {
         const auto share = [&](std::size_t i) { return static_cast<float>(parts[i] / 255); };
-        data.colors.emplace_back(share(0), share(1), share(2));
+        data.colors.push_back({share(0), share(1), share(2)});
         return;
       }
       double length = parts[0];

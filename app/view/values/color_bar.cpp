@@ -38,7 +38,7 @@ std::string find_metadata(const qnv::Description& volume, std::span<const std::s
 }  // namespace
 
 std::vector<Tick> nice_ticks(std::pair<double, double> range, std::size_t most) {
-  const auto [least, largest] = range;
+  const double least = range.first, largest = range.second;
   const double width = largest - least;
   const auto ends = [&] {
     std::vector<Tick> ticks{{least, 0, readable_value(least)}};
