@@ -21,7 +21,8 @@ std::size_t count_of(const std::map<Key, std::size_t>& counts, const Key& key) {
 LoadEngine::LoadEngine(const LoaderOptions& options, LoadQueue& queue, HttpCache* cache)
     : options_(options),
       queue_(queue),
-      context_{options, queue, cache, options.random, options.unix_seconds, [this](TransferId id) { stop(id); }, {}} {}
+      context_{options, queue, cache, options.random, options.unix_seconds, [this](TransferId id) { stop(id); },
+               {},      {}} {}
 
 LoadEngine::~LoadEngine() { jobs_.clear(); }
 

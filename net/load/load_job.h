@@ -4,7 +4,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -26,8 +25,9 @@ struct JobContext {
   std::function<void(TransferId)> cancel;
   /// URLs of servers that support ranges. Several ranges of such a resource are requested at the same time. Bounded.
   std::map<std::string, bool> ranges_known;
-  /// Servers that have answered. If one cannot be reached later, it may be restarting. Bounded.
-  std::set<std::string> answered;
+  /// Hosts that have accepted a connection; true if they have answered. They may be restarting if they cannot be reached
+  /// later. Bounded.
+  std::map<std::string, bool> servers;
 };
 
 /// State machine of one request: cache, redirects, ranges, versions, retries. The engine starts the fetches that are
@@ -78,6 +78,7 @@ class LoadJob {
   DataVerdict deliver(Fetch& fetch, std::span<const std::byte> bytes);
   void end_body(Fetch& fetch, TimePoint now);
   void follow(const std::string& location, AddressSpace space);
+  void note_server(bool answered);
   void retry(Fetch& fetch, const LoadError& error, bool transient, std::optional<std::int64_t> retry_after,
              TimePoint now);
   void check_done();

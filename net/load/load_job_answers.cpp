@@ -69,9 +69,7 @@ HeadVerdict LoadJob::on_head(Fetch& fetch, const ResponseHead& head) {
     return HeadVerdict::stop;
   }
   fetch.answer.space = head.space;
-  constexpr std::size_t kMaxAnswered = 1024;
-  if (context_.answered.size() >= kMaxAnswered) context_.answered.clear();
-  context_.answered.insert(location_.host());
+  note_server(true);
   if (is_redirect(head.status) && !head.location.empty()) {
     fetch.answer.redirect = head.location;
     return HeadVerdict::discard;
@@ -287,15 +285,25 @@ void LoadJob::follow(const std::string& location, AddressSpace space) {
   open_version();
 }
 
+void LoadJob::note_server(bool answered) {
+  constexpr std::size_t kMaxServers = 1024;
+  if (context_.servers.size() >= kMaxServers) context_.servers.clear();
+  context_.servers[location_.host()] |= answered;
+}
+
 void LoadJob::retry(Fetch& fetch, const LoadError& error, bool transient, std::optional<std::int64_t> retry_after,
                     TimePoint now) {
   const LoaderOptions& options = context_.options;
   fetch.answer = {};
   ++fetch.failures;
-  // If the server has answered before, it may be restarting.
-  const bool restarts = error.kind == LoadErrorKind::unreachable && context_.answered.contains(location_.host());
+  // If a known server cannot be reached, or breaks connections, it may be restarting.
+  if (error.kind == LoadErrorKind::broken) note_server(false);
+  const auto server = context_.servers.find(location_.host());
+  const bool known = server != context_.servers.end();
+  const bool restarts =
+      known && (error.kind == LoadErrorKind::unreachable || (error.kind == LoadErrorKind::broken && server->second));
   transient |= restarts;
-  const unsigned most = restarts ? options.max_reconnects : options.max_retries;
+  const unsigned most = restarts || retry_after ? options.max_reconnects : options.max_retries;
   const auto longest = std::chrono::duration_cast<std::chrono::seconds>(options.max_retry_after).count();
   const bool asks_too_much = retry_after && *retry_after > longest;
   if (!transient || asks_too_much || fetch.failures > most || fetch.attempts >= options.max_attempts) {

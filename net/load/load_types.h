@@ -121,7 +121,9 @@ struct LoaderOptions {
   // Limits of redirects, retries and times.
   unsigned max_redirects = 10;
   unsigned max_retries = 3;  // retries of a fetch without progress
-  unsigned max_reconnects = 6;  // retries without progress while a server that has answered cannot be reached
+  // Retries without progress while a server that has answered breaks connections or cannot be reached, or if it asks for
+  // a retry.
+  unsigned max_reconnects = 6;
   unsigned max_attempts = 30;  // transfers of a fetch, even with progress
   unsigned max_restarts = 3;
   Milliseconds connect_timeout{10'000};

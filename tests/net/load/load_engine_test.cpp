@@ -461,7 +461,7 @@ TEST_CASE("reports an error for a server that only sends empty parts") {
   const Outcome& got = bench.load("memory:a");
   CHECK(got.error->kind == LoadErrorKind::broken);
   CHECK(got.error->message ==
-        "cannot load memory:a: the connection ended after byte 0; expected 1000 (after 4 attempts)");
+        "cannot load memory:a: the connection ended after byte 0; expected 1000 (after 7 attempts)");
   // One byte per transfer counts as progress, but not endlessly.
   script(bench, "memory:b", {[](const TransferRequest& r) {
            MemoryAnswer answer = answer_well(resource(pattern(1000)), r);
