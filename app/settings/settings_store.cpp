@@ -60,7 +60,10 @@ void SettingsStore::read() {
   const auto contents = [this](const std::string& path) {
     std::string problem;
     auto text = read_user_file(path, problem);
-    if (!problem.empty()) problems_.push_back(problem);
+    if (!problem.empty()) {
+      problems_.push_back(problem);
+      unread_.push_back(path);
+    }
     return text;
   };
   if (const auto text = contents(folders_.settings_file)) {
@@ -91,7 +94,9 @@ void SettingsStore::read() {
 
 void SettingsStore::write(const std::string& path, const std::string& text) {
   if (path.empty()) return;
-  if (auto problem = write_user_file(path, text)) {
+  const bool unread = std::find(unread_.begin(), unread_.end(), path) != unread_.end();
+  if (std::optional<std::string> problem =
+          unread ? path + ": error: not saved, because the file could not be read" : write_user_file(path, text)) {
     // Report an equal problem only once.
     if (std::find(problems_.begin(), problems_.end(), *problem) == problems_.end())
       problems_.push_back(std::move(*problem));

@@ -16,8 +16,8 @@ namespace gs::app {
 [[nodiscard]] AppState remembered(const UserFolders& folders);
 
 /// Store of the user's settings and bookmarks, and of the state that is kept between windows. Each change writes its
-/// file atomically. An unreadable file is copied to FILE.bad, reported once, and otherwise ignored. If `folders` is
-/// empty, nothing is read or written. One thread.
+/// file atomically. A file with a wrong format is copied to FILE.bad, reported once, and otherwise ignored. A file that
+/// cannot be read stays as it is. If `folders` is empty, nothing is read or written. One thread.
 class SettingsStore : NonCopyable {
  public:
   explicit SettingsStore(UserFolders folders);
@@ -52,6 +52,7 @@ class SettingsStore : NonCopyable {
   std::optional<SessionMemory> session_;  // contents of the session file, as written last
   std::string session_file_;
   std::vector<std::string> problems_;
+  std::vector<std::string> unread_;  // files with unknown contents, which are therefore never replaced
   LogFile log_;
 };
 

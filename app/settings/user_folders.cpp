@@ -58,7 +58,7 @@ std::string without_home(std::string_view path) {
 
 std::optional<std::string> read_user_file(const std::string& path, std::string& problem) {
   std::error_code error;
-  if (path.empty() || !fs::exists(path, error)) return std::nullopt;
+  if (path.empty() || fs::status(path, error).type() == fs::file_type::not_found) return std::nullopt;
   const auto opened = net::map_file(path);
   if (const auto* failed = std::get_if<net::FileError>(&opened)) {
     problem = failed->message;

@@ -96,7 +96,7 @@ def write_inputs(folder, program):
         subprocess.run([program, "encode", folder / source, folder / stream], check=True, capture_output=True)
 
 
-# Name, arguments, result. "{}" is the folder of inputs, "{out}" that of results, "{http}" a server of the inputs. The
+# Name, arguments, result, and optionally the old content of the result. "{}" is the folder of inputs, "{out}" that of results, "{http}" a server of the inputs. The
 # result "-" is the output.
 SCENARIOS = [
     ("open a world", ["--snapshot", "{out}/p.png", "--size", "96x64", "{}/world.wrl"], "p.png"),
@@ -115,11 +115,18 @@ SCENARIOS = [
     ("trace", ["trace", "--until", "1", "{}/world.wrl"], "-"),
     ("export a picture of splats", ["export", "{}/mesh.qnv", "{out}/m.spz"], "m.spz"),
 ]
+# The same for the program tests/faults/save_settings.cpp, with the contents that a window finds.
+SETTINGS = [
+    ("save settings", ["settings", "{out}/settings.conf"], "settings.conf", b"text-size = 1.5\n"),
+    ("save bookmarks", ["bookmarks", "{out}/bookmarks.json"], "bookmarks.json",
+     b'{"bookmarks":[{"place":"/worlds/a.wrl","viewpoint":"","title":"A","camera":[]}]}\n'),
+    ("save the state", ["state", "{out}/memory.json"], "memory.json", b'{"recent":["/worlds/a.wrl"]}\n'),
+]
 
 
 class Runs:
-    def __init__(self, program, shim, work):
-        self.program, self.shim, self.work = program, shim, work
+    def __init__(self, program, settings_program, shim, work):
+        self.program, self.settings_program, self.shim, self.work = program, settings_program, shim, work
         self.inputs = work / "inputs"
         self.inputs.mkdir()
         self.home = work / "home"
@@ -145,15 +152,16 @@ class Runs:
 
     def run(self, scenario, fault, old):
         """Returns (status, result bytes or None, message, number of calls, list of other files)."""
-        _, arguments, result = scenario
+        arguments, result = scenario[1:3]
+        program = self.settings_program if scenario in SETTINGS else self.program
         with tempfile.TemporaryDirectory(dir=self.work) as scratch:
             scratch = pathlib.Path(scratch)
             out, home = scratch / "out", scratch / "home"
             out.mkdir()
             home.mkdir()
             if result != "-" and old:
-                (out / result).write_bytes(OLD)
-            command = [str(self.program)] + [a.replace("{out}", str(out)).replace("{http}", self.http)
+                (out / result).write_bytes(old_content(scenario))
+            command = [str(program)] + [a.replace("{out}", str(out)).replace("{http}", self.http)
                                              .replace("{}", str(self.inputs)) for a in arguments]
             environment = {"PATH": os.environ["PATH"], "HOME": str(home), "GHOSTSPACE_FAULT": fault,
                            "GHOSTSPACE_FAULT_COUNT": str(scratch / "count"), "LD_PRELOAD": str(self.shim)}
@@ -169,6 +177,10 @@ class Runs:
             return status, made, message, calls, others
 
 
+def old_content(scenario):
+    return scenario[3] if len(scenario) > 3 else OLD
+
+
 def verdict(scenario, found, right, old, kill):
     """Returns a text for a violation, or None."""
     status, made, message, _, others = found
@@ -177,7 +189,7 @@ def verdict(scenario, found, right, old, kill):
     if status == "hang":
         return f"runs longer than {SECONDS} s"
     if status == -9 and kill:
-        if scenario[2] != "-" and made not in (OLD if old else None, right):
+        if scenario[2] != "-" and made not in (old_content(scenario) if old else None, right):
             return "leaves another file after SIGKILL"
         strange = [name for name in others if not name.startswith(".")]
         return "leaves " + ", ".join(strange) if strange else None
@@ -194,7 +206,7 @@ def verdict(scenario, found, right, old, kill):
         return f"ends with status {status} and no message"
     if made == right:
         return None
-    if scenario[2] != "-" and status != 0 and made != (OLD if old else None):
+    if scenario[2] != "-" and status != 0 and made != (old_content(scenario) if old else None):
         return f"leaves {'no file' if made is None else 'another file'} after status {status}: {lines[0]}"
     if not lines:
         return "gives another result without a message"
@@ -218,6 +230,7 @@ def main():
     parser.add_argument("-j", type=int, default=2)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--shim", type=pathlib.Path)
+    parser.add_argument("--settings-program", type=pathlib.Path, default=ROOT / "build/release/tests/save_settings")
     options = parser.parse_args()
     program = pathlib.Path(os.environ.get("GHOSTSPACE", ROOT / "build/release/ghostspace")).resolve()
     violations = runs = 0
@@ -227,13 +240,18 @@ def main():
         if not options.shim:
             subprocess.run(["c++", "-std=c++20", "-O2", "-fPIC", "-shared", str(ROOT / "tests/faults/fault_shim.cpp"),
                             "-o", str(shim), "-ldl"], check=True)
-        all_runs = Runs(program, shim.resolve(), work)
+        all_runs = Runs(program, options.settings_program.resolve(), shim.resolve(), work)
         generator = random.Random(options.seed)
-        for scenario in SCENARIOS:
+        for scenario in SCENARIOS + SETTINGS:
             if options.s not in scenario[0]:
                 continue
-            status, right, message, _, _ = all_runs.run(scenario, "allocate 0", False)
-            if status != 0 or right is None:
+            # Only the settings keep a part of their old content.
+            rights = {}
+            for old in (False, True):
+                status, rights[old], message, _, _ = all_runs.run(scenario, "allocate 0", old)
+                if status != 0 or rights[old] is None:
+                    break
+            if status != 0 or rights[old] is None:
                 print(f"{scenario[0]}: fails without faults: {message}")
                 violations += 1
                 continue
@@ -246,7 +264,7 @@ def main():
                     faults = [f"{name} {number} {onwards}".strip() for number in numbers]
                     olds = [number % 2 == 0 for number in numbers]
                     for fault, old, result in zip(faults, olds, pool.map(all_runs.run, [scenario] * len(faults), faults, olds)):
-                        problem = verdict(scenario, result, right, old, onwards == "kill")
+                        problem = verdict(scenario, result, rights[old], old, onwards == "kill")
                         if problem:
                             found += 1
                             print(f"  {scenario[0]}, {fault}: {problem}", flush=True)

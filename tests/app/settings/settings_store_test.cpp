@@ -55,6 +55,25 @@ TEST_CASE("restores kept state in the next window") {
   CHECK(fs::status(scratch.path("state")).permissions() == fs::perms::owner_all);
 }
 
+TEST_CASE("does not replace a file of bookmarks that it could not read") {
+  const ScratchFolder scratch;
+  const UserFolders folders = folders_in(scratch);
+  const std::string contents(std::size_t{2} << 20, ' ');  // longer than a file that is read
+  REQUIRE_FALSE(write_user_file(folders.bookmarks_file, contents));
+  SettingsStore store(folders);
+  CHECK(store.take_problems().size() == 1);
+  store.set(std::vector<Bookmark>{{"/a.wrl", "", "A", {}}});
+  const std::vector<std::string> problems = store.take_problems();
+  REQUIRE(problems.size() == 1);
+  CHECK(problems[0] == folders.bookmarks_file + ": error: not saved, because the file could not be read");
+  CHECK(fs::file_size(folders.bookmarks_file) == contents.size());
+  UserSettings settings;
+  settings.text_size = 1.5;
+  store.set(settings);  // other files are saved
+  CHECK(store.take_problems().empty());
+  CHECK(fs::exists(folders.settings_file));
+}
+
 TEST_CASE("removes unfinished files of killed processes from the settings folders") {
   const ScratchFolder scratch;
   const std::string left = "/.ghostspace-" + std::to_string(gone_process()) + "-0";
