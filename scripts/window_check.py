@@ -71,6 +71,12 @@ DEF S Script { inputOnly SFTime touched outputOnly SFInt32 count url "ecmascript
   function touched() { count = ++touches; }" }
 ROUTE T.touchTime TO S.touched
 """
+# The conversion takes hours, and the engine does not interrupt it.
+HANGS = """#VRML V2.0 utf8
+Viewpoint { position 0 0 10 }
+Shape { appearance Appearance { material Material { diffuseColor 0.8 0.7 0.1 } } geometry Box { } }
+DEF S Script { url "javascript: function initialize() { print(+('0.' + '1'.repeat(1 << 23))); }" }
+"""
 
 
 def volume():
@@ -458,6 +464,26 @@ def run(check):
         if not near(before["orientation"], after["orientation"], 1e-3):
             raise Failed("the viewer turns")
 
+    def stops():
+        # The card at the bottom has the buttons Reload, Show log and Close.
+        def messages():
+            return (check.folder / "log").read_text().count("cannot be interrupted")
+
+        (check.folder / "log").touch()
+        before = messages()
+        check.open(check.file("hangs.wrl", HANGS))
+        wait("its Scripts are ended", lambda: messages() == before + 1, 60)
+        time.sleep(1)
+        check.key("ctrl+shift+Right")
+        wait("there are two viewports", lambda: len(check.world.getViewports()) == 2)
+        check.key("ctrl+w")
+        wait("there is one again", lambda: len(check.world.getViewports()) == 1)
+        check.click((MIDDLE[0] - 167, HEIGHT - 30))
+        wait("Reload starts the Script again, and it is ended again", lambda: messages() == before + 2, 60)
+        time.sleep(1)
+        check.click((MIDDLE[0] - 19, HEIGHT - 30))
+        wait("Close closes the world", lambda: not check.world.getViewports()[0]["file"])
+
     check.step("a PlaneSensor is dragged", slides)
     check.step("the viewer moves, and undoes it", moves)
     check.step("a viewport is split, and closed", splits)
@@ -475,6 +501,7 @@ def run(check):
     check.step("the start page opens a recent file", starts)
     check.step("a file of an unknown format is refused, and Esc closes the message", refuses)
     check.step("the middle button slides the viewer", slides_by_middle_button)
+    check.step("a world is reloaded and closed after its Script has hung", stops)
 
 
 def color_at(check, place):
