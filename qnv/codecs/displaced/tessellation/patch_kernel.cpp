@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "qnv/base/kernel_pragmas.inc"  // after all other includes
 
