@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <utility>
 
 namespace gs::qnv::values {
 
@@ -36,7 +37,10 @@ void ValuesChunks::merge() {
   begin = merged_.size();
   for (std::size_t c = 0; c < parts_.size(); ++c)
     for (const StoredRun& run : parts_[c].remainders) merged_.push_back({&run, nullptr, c, false});
-  std::ranges::stable_sort(from(begin), merged_.end(), {}, [](const Place& place) { return place.run->first; });
+  // Those of a step follow each other, because a step needs all of its own.
+  std::ranges::stable_sort(from(begin), merged_.end(), {}, [this](const Place& place) {
+    return std::pair(place.component / components_, place.run->first);
+  });
 }
 
 std::size_t ValuesChunks::size() const {
