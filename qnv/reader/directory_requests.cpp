@@ -33,7 +33,7 @@ std::vector<DirectoryEntry> entries_of(std::span<const std::byte> chunks, const 
   if (header.payload != Payload::values) return directory_of(chunks, header);
   const auto places = values::places_of(chunks, header);
   if (!places) return directory_of(chunks, header);
-  const values::PlaceEntries entry_of(header.grid);
+  const values::PlaceEntries entry_of(header.grid, !header.steps.times.empty());
   std::vector<DirectoryEntry> entries;
   entries.reserve(places->size());
   for (const values::ChunkPlace& place : *places) entries.push_back(entry_of(place));

@@ -175,7 +175,7 @@ void GeometryHandler::choose_way() {
       return;
     }
   }
-  if (qnv::BrickVolume::suits(known, most_decoded_vectors(*loading_.budget))) {
+  if (known.steps.times.empty() && qnv::BrickVolume::suits(known, most_decoded_vectors(*loading_.budget))) {
     BrickShare share(loading_.budget, true);
     auto begun = qnv::BrickVolume::begin(bytes_, share.limits);
     if (auto* const volume = std::get_if<0>(&begun)) {

@@ -93,17 +93,21 @@ std::optional<OutgoingChunk> ValuesChunks::chunk(std::size_t i) const {
 }
 
 std::optional<std::vector<std::vector<std::byte>>> ValuesChunks::places(std::span<const DirectoryEntry> entries) const {
-  if (parts_.size() > 1) return std::nullopt;
+  if (components_ > 1) return std::nullopt;
+  const Extent cubes = cube_extent(extent_);
+  const std::uint64_t all_cubes = std::uint64_t{cubes[0]} * cubes[1] * cubes[2];
   std::vector<ChunkPlace> places;
   places.reserve(entries.size());
   for (std::size_t i = 0; i < entries.size(); ++i) {
-    places.push_back(chunk_place(place_of(i)));
+    const Place place = place_of(i);
+    places.push_back(chunk_place(place));
+    places.back().first += place.component * (place.cluster ? blocks_.count() : all_cubes);
     places.back().offset = entries[i].offset;
     places.back().bytes = entries[i].bytes;
   }
   return pack_places(places);
 }
 
-std::size_t ValuesChunks::entry_bytes() const { return parts_.size() > 1 ? kDirectoryEntryBytes : kMostPlaceBytes; }
+std::size_t ValuesChunks::entry_bytes() const { return components_ > 1 ? kDirectoryEntryBytes : kMostPlaceBytes; }
 
 }  // namespace gs::qnv::values
