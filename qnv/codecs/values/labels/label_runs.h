@@ -27,7 +27,8 @@ struct LabelRun {
 [[nodiscard]] std::vector<std::byte> pack(const LabelRun& run);
 /// Parses a payload. Returns nullopt if it is invalid. Safe for untrusted bytes.
 [[nodiscard]] std::optional<LabelRun> parse_label_run(std::span<const std::byte> payload);
-/// Takes the step out of the first code of a run of a time series, whose levels have `codes` codes. Returns the step.
+/// Takes the step out of the first code of a run of a time series. `codes` is the number of codes of the run's level.
+/// Returns the step.
 [[nodiscard]] std::uint64_t take_step(LabelRun& run, std::uint64_t codes);
 
 /// Labels of one level: indices in the palette.
