@@ -42,6 +42,7 @@ class LabelSteps final : public VolumeSeries, public std::enable_shared_from_thi
     }
     if (run->level < finest_) {
       count_.full = true;
+      in_order_ = false;
       return;
     }
     const std::pair key(static_cast<int>(run->level), run->first);
