@@ -149,7 +149,7 @@ int run_snapshot(const OpenCommand& given_options, const std::string& named) {
   PhaseClock* const measured = options.stats.empty() ? nullptr : &phases;
   LoadOptions load = load_options(options);
   load.phases = measured;
-  load.large_by_view = true;
+  load.large_by_view = load.one_step = true;
   if (options.backend == "glfw")
     return fail("--backend glfw needs a window; expected auto, egl or osmesa with --snapshot");
   // A confined process must not use drivers and devices, so it draws on the software path.

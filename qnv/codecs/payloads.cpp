@@ -100,8 +100,6 @@ Encoded encode_growing(const EncodeSource& source, EncodeOptions options, Progre
 Encoded encode_volume_values(const EncodeSource& source, EncodeOptions options, Progress* progress) {
   const auto* volume = std::get_if<std::reference_wrapper<const VolumeSource>>(&source);
   if (!volume) return EncodeError{"a values stream needs a volume; expected its values"};
-  if (volume->get().layout.labels && !volume->get().steps.empty())
-    return EncodeError{"time series of labels have no stream; expected --time with one step"};
   if (volume->get().layout.labels) return encode_labels(volume->get(), options, progress);
   return encode_values(volume->get(), options, progress);
 }
@@ -113,7 +111,9 @@ Encoded encode_splats(const EncodeSource& source, EncodeOptions options, Progres
 }
 
 std::unique_ptr<Decoder> make_volume_decoder(const StreamHeader& header, std::size_t most_vectors) {
-  if (header.grid.labels) return make_labels_decoder(header, most_vectors);
+  if (header.grid.labels)
+    return header.steps.times.empty() ? make_labels_decoder(header, most_vectors)
+                                      : make_label_series_decoder(header, most_vectors);
   if (!header.steps.times.empty()) return make_series_decoder(header, most_vectors);
   if (header.grid.components > 1) return make_components_decoder(header, most_vectors);
   return make_values_decoder(header, most_vectors);

@@ -128,7 +128,7 @@ bool read_sections(ByteReader& read, StreamHeader& header, std::uint16_t version
       header.more_grids.push_back(std::move(*decoded));
     } else if (tag == kSteps && grid && header.steps.times.empty()) {
       auto decoded = decode_step_table(section.bytes(section.left()), header.grid.components);
-      if (!decoded || header.grid.labels) return false;
+      if (!decoded) return false;
       header.steps = std::move(*decoded);
     } else if (tag == kLabels && labels.empty()) {
       auto decoded = decode_label_palette(section.bytes(section.left()));

@@ -33,7 +33,7 @@ std::vector<DirectoryEntry> entries_of(std::span<const std::byte> chunks, const 
   if (header.payload != Payload::values) return directory_of(chunks, header);
   const auto places = values::places_of(chunks, header);
   if (!places) return directory_of(chunks, header);
-  const values::PlaceEntries entry_of(header.grid);
+  const values::PlaceEntries entry_of(header.grid, !header.steps.times.empty());
   std::vector<DirectoryEntry> entries;
   entries.reserve(places->size());
   for (const values::ChunkPlace& place : *places) entries.push_back(entry_of(place));
@@ -42,8 +42,8 @@ std::vector<DirectoryEntry> entries_of(std::span<const std::byte> chunks, const 
 
 }  // namespace
 
-DirectoryRequests::DirectoryRequests(const StreamHeader& header)
-    : header_(without_base(header)), by_view_(depends_on_views(header)) {}
+DirectoryRequests::DirectoryRequests(const StreamHeader& header, std::optional<std::uint32_t> only_step)
+    : header_(without_base(header)), by_view_(depends_on_views(header)), only_step_(only_step) {}
 
 bool DirectoryRequests::set_directory(std::span<const std::byte> chunks) {
   std::vector<DirectoryEntry> entries = entries_of(chunks, header_);
@@ -88,8 +88,19 @@ bool DirectoryRequests::is_first(const DirectoryEntry& entry, const LodView& vie
   return step * view.pixels > static_cast<double>(view.error_pixels) * static_cast<double>(distance);
 }
 
+// Remainders of a step are applied once all chunks of its chain up to it are received.
+std::vector<ChunkRange> DirectoryRequests::of_one_step() const {
+  const PlayedStep played{*only_step_};
+  const StepOrder steps(header_.steps.times.size(), {&played, 1});
+  std::vector<ChunkRange> ranges;
+  for (const DirectoryEntry& entry : entries_)
+    if (steps.rank(entry.parent, true) == 0) ranges.push_back({entry.offset, entry.bytes});
+  return ranges;
+}
+
 std::vector<ChunkRange> DirectoryRequests::wanted() const {
   const std::lock_guard lock(mutex_);
+  if (only_step_) return of_one_step();
   const bool all_first = !by_view_ || views_.empty(), series = !all_first && !header_.steps.times.empty();
   std::vector<PlayedStep> played;
   for (const Viewed& viewed : views_) played.push_back({viewed.view.volume.step, viewed.backwards});
@@ -100,8 +111,8 @@ std::vector<ChunkRange> DirectoryRequests::wanted() const {
   for (const DirectoryEntry& entry : entries_) {
     const bool visible =
         all_first || std::ranges::any_of(views_, [&](const Viewed& viewed) { return is_first(entry, viewed.view); });
-    // Blocks have a level of at least 1, runs of cubes have none.
-    const std::uint32_t rank = series ? steps.rank(entry.parent, entry.level > 0) : 0;
+    // Blocks have a level of at least 1, gaps and remainders have none.
+    const std::uint32_t rank = series ? steps.rank(entry.parent, header_.grid.labels || entry.level > 0) : 0;
     const std::uint32_t part = rank == StepOrder::kOther ? kOthers + (visible ? 0 : 1) : rank + (visible ? 0 : kHidden);
     parts[part].push_back({entry.offset, entry.bytes});
   }

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,10 +19,12 @@ namespace gs::qnv {
 /// and keep the order of the stream: each layer of records and of voxels spreads over the whole object, and the
 /// segments of a progressive mesh need their predecessors. Without views, all codecs keep it. For values of a volume,
 /// chunks that are finer than the pixels of all views also come last; short streams keep their order. Of time series,
-/// the chunks that the shown steps need come first, then those of the next steps. Any thread.
+/// the chunks that the shown steps need come first, then those of the next steps. For a picture of one step, only its
+/// chunks and those of the earlier steps in its chain are wanted, for every view. Any thread.
 class DirectoryRequests final : public ChunkRequests {
  public:
-  explicit DirectoryRequests(const StreamHeader& header);
+  /// `only_step` is the step of a time series to request without the others; nullopt means all.
+  explicit DirectoryRequests(const StreamHeader& header, std::optional<std::uint32_t> only_step = std::nullopt);
 
   bool set_directory(std::span<const std::byte> chunks) override;
   void note(const LodView& view) override;
@@ -29,7 +32,7 @@ class DirectoryRequests final : public ChunkRequests {
   [[nodiscard]] std::vector<LodView> views() const override;
   [[nodiscard]] const Box& box() const override { return header_.description.box; }
   [[nodiscard]] std::uint64_t directory() const override { return header_.directory; }
-  [[nodiscard]] bool in_stream_order() const override { return !by_view_; }
+  [[nodiscard]] bool in_stream_order() const override { return !by_view_ && !only_step_; }
   [[nodiscard]] std::vector<ChunkRange> wanted() const override;
 
  private:
@@ -40,10 +43,12 @@ class DirectoryRequests final : public ChunkRequests {
     bool backwards = false;  // plays a time series backwards
   };
   [[nodiscard]] bool is_first(const DirectoryEntry& entry, const LodView& view) const;
+  [[nodiscard]] std::vector<ChunkRange> of_one_step() const;
 
   const StreamHeader header_;  // without the base mesh
   const bool by_view_;         // the codec profits from views
-  mutable std::mutex mutex_;   // guards all members below
+  const std::optional<std::uint32_t> only_step_;
+  mutable std::mutex mutex_;  // guards all members below
   std::vector<DirectoryEntry> entries_;
   std::vector<Viewed> views_;  // one per viewport, the latest last
 };

@@ -30,7 +30,8 @@ void StreamDecoder::show(const ShownComponent& component) {
 }
 
 void StreamDecoder::finish() {
-  reader_.finish([this](ChunkType type, std::span<const std::byte> payload, std::uint64_t) { accept(type, payload, {}); });
+  reader_.finish(
+      [this](ChunkType type, std::span<const std::byte> payload, std::uint64_t) { accept(type, payload, {}); });
 }
 
 void StreamDecoder::add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing) {
@@ -48,7 +49,7 @@ void StreamDecoder::add_places(std::span<const std::byte> payload) {
   if (!places_) places_ = std::make_unique<values::PlacesReader>();
   const std::size_t known = places_->places().size();
   if (!places_->add(payload)) return;
-  const values::PlaceEntries entry_of(header()->grid);
+  const values::PlaceEntries entry_of(header()->grid, !header()->steps.times.empty());
   for (const values::ChunkPlace& place : std::span(places_->places()).subspan(known))
     directory_.push_back(entry_of(place));
 }

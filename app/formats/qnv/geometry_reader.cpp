@@ -43,6 +43,8 @@ class GeometryFileReader {
 
   std::optional<qnv::Geometry> levels(qnv::LodStream::Opened opened);
   std::optional<qnv::Geometry> bricks(const std::shared_ptr<const qnv::ChunkSource>& source);
+  std::optional<qnv::Geometry> brick_series(const std::shared_ptr<const qnv::ChunkSource>& source,
+                                            const qnv::StreamHeader& header, BrickShare share);
   std::optional<qnv::Geometry> stream();
   std::optional<qnv::Geometry> splats(const ContentType& type);
 
@@ -89,12 +91,27 @@ std::optional<qnv::Geometry> GeometryFileReader::bricks(const std::shared_ptr<co
   const auto* const known = std::get_if<qnv::StreamHeader>(&header);
   if (!known || !qnv::BrickVolume::suits(*known, most_decoded_vectors(*budget_))) return std::nullopt;
   BrickShare share(budget_, false);
+  if (!known->steps.times.empty()) return brick_series(source, *known, std::move(share));
   auto opened = qnv::BrickVolume::open(source, share.limits, [&] { return limit_.over(); });
   if (const auto* const problem = std::get_if<qnv::StreamProblem>(&opened)) {
     report(Severity::error, "byte " + std::to_string(problem->offset) + ": " + problem->message);
     return std::nullopt;
   }
   return volume_of(hold_bricks(std::move(std::get<0>(opened)), std::move(share)));
+}
+
+// Keeps a time series of such volumes in its file.
+std::optional<qnv::Geometry> GeometryFileReader::brick_series(const std::shared_ptr<const qnv::ChunkSource>& source,
+                                                              const qnv::StreamHeader& header, BrickShare share) {
+  const qnv::BrickLimits limits = share.limits;
+  const auto series =
+      std::make_shared<qnv::BrickSeries>(source, header, limits, std::make_shared<const BrickShare>(std::move(share)));
+  const qnv::ShownStep step = file_.origin.component.step.value_or(qnv::ShownStep());
+  auto opened = series->open(qnv::step_number(step, header.steps.times), [&] { return limit_.over(); });
+  if (auto* const volume = std::get_if<qnv::Volume>(&opened)) return std::move(*volume);
+  const auto& problem = std::get<qnv::StreamProblem>(opened);
+  report(Severity::error, "byte " + std::to_string(problem.offset) + ": " + problem.message);
+  return std::nullopt;
 }
 
 std::optional<qnv::Geometry> GeometryFileReader::stream() {
@@ -311,8 +328,8 @@ std::optional<qnv::VolumeSource> open_volume_source(const ContentType& type, con
     diagnostics.add({Severity::error, file.path, {}, "a volume cannot be read in part"});
     return std::nullopt;
   }
-  ImportSource from{file.bytes, file.path, file.origin.read_beside, budget, diagnostics, file.origin.name,
-                    file.origin.component};
+  ImportSource from{file.bytes,  file.path,        file.origin.read_beside, budget,
+                    diagnostics, file.origin.name, file.origin.component};
   from.local = file.local;
   from.read_files = file.origin.read_files;
   from.list_folder = file.origin.list_folder;

@@ -9,6 +9,7 @@
 #include "qnv/base/geometry.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/octree/lod/lod_source.h"
+#include "qnv/codecs/values/bricks/brick_series.h"
 #include "qnv/codecs/values/bricks/brick_volume.h"
 #include "qnv/sampling/volume/volume.h"
 #include "vrml/scene/scene_graph.h"

@@ -317,7 +317,7 @@ VolumeResult make_source(qnv::VolumeLayout layout, StoredVoxels voxels) {
 }
 
 VolumeResult make_series(const qnv::VolumeLayout& layout, const StoredVoxels& voxels, std::vector<double> times) {
-  if (times.size() < 2 || voxels.component.labels.value_or(layout.labels)) return make_source(layout, voxels);
+  if (times.size() < 2) return make_source(layout, voxels);
   if (times.size() > qnv::kMaxSteps)
     return std::to_string(times.size()) + " steps; expected at most " + std::to_string(qnv::kMaxSteps);
   const auto size = stored_size(layout, voxels.type, voxels.plane > 0 ? 1 : voxels.components);

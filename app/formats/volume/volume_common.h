@@ -86,7 +86,7 @@ struct StoredVoxels {
 [[nodiscard]] VolumeResult make_source(qnv::VolumeLayout layout, StoredVoxels voxels);
 
 /// Creates the source of a time series from consecutive volumes. If the component chooses a step, returns only that
-/// step. For labels, or with fewer than two times, returns make_source().
+/// step. With fewer than two times, returns make_source().
 [[nodiscard]] VolumeResult make_series(const qnv::VolumeLayout& layout, const StoredVoxels& voxels,
                                        std::vector<double> times);
 
@@ -140,8 +140,8 @@ struct VolumeFormat {
 [[nodiscard]] bool is_xdmf(std::span<const std::byte> bytes);
 /// Returns true if the bytes begin like a metadata file of Zarr or N5, or like a ZIP archive of Zarr.
 [[nodiscard]] bool is_zarr(std::span<const std::byte> bytes);
-/// Returns the path of a metadata file of Zarr or N5 in a folder of this machine, through which its container is opened.
-/// Returns an empty path if the folder is no container.
+/// Returns the path of a metadata file of Zarr or N5 in a folder of this machine, through which its container is
+/// opened. Returns an empty path if the folder is no container.
 [[nodiscard]] std::string zarr_entry_of_folder(const std::string& path);
 [[nodiscard]] VolumeResult open_datasets(const VolumeFile& file);
 /// Returns true for files that need the module for scientific formats.

@@ -175,7 +175,7 @@ void GeometryHandler::choose_way() {
       return;
     }
   }
-  if (qnv::BrickVolume::suits(known, most_decoded_vectors(*loading_.budget))) {
+  if (known.steps.times.empty() && qnv::BrickVolume::suits(known, most_decoded_vectors(*loading_.budget))) {
     BrickShare share(loading_.budget, true);
     auto begun = qnv::BrickVolume::begin(bytes_, share.limits);
     if (auto* const volume = std::get_if<0>(&begun)) {
@@ -193,9 +193,15 @@ void GeometryHandler::start_decoder(const qnv::StreamHeader& header) {
   if (loading_.options.by_view)
     add_feed(std::make_shared<StreamFeed>(std::make_shared<qnv::DirectoryRequests>(header),
                                           [waker = loading_.waker] { waker->wake(); }));
-  decoder_ = std::make_unique<qnv::StreamDecoder>(most_decoded_vectors(*loading_.budget));
   const VoxelComponent& component = loading_.options.component;
-  decoder_->show({component.index, component.magnitude, component.chosen, component.step.value_or(qnv::ShownStep())});
+  const qnv::ShownStep step = component.step.value_or(qnv::ShownStep());
+  // No view shows other steps, so it need not know the requests.
+  if (loading_.options.one_step && !feed_ && !header.steps.times.empty())
+    feed_ = std::make_shared<StreamFeed>(
+        std::make_shared<qnv::DirectoryRequests>(header, qnv::step_number(step, header.steps.times)),
+        [waker = loading_.waker] { waker->wake(); });
+  decoder_ = std::make_unique<qnv::StreamDecoder>(most_decoded_vectors(*loading_.budget));
+  decoder_->show({component.index, component.magnitude, component.chosen, step});
   (void)decoder_->push(std::exchange(bytes_, {}));
   show_records(false);
 }

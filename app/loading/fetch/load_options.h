@@ -37,6 +37,7 @@ struct LoadOptions {
   std::vector<std::string> allowed;              // files and folders outside its own folder that a local world may read
   bool by_view = false;                          // true lets views choose ranges of long streams on servers
   bool large_by_view = false;                    // the same, but only of streams that are not decoded as a whole
+  bool one_step = false;                         // true reads only the chosen step of time series on servers
   std::uint64_t rate = 0;                        // bandwidth limit in bits per second; 0 means unlimited
   std::string remote_program = "ghostspace";     // program for ssh: URLs (net::remote_serve_command())
   std::string cache_folder;                      // cache folder for network resources; empty means no cache

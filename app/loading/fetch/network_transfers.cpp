@@ -50,7 +50,7 @@ void NetworkTransfers::begin(Fetch& fetch) {
   std::vector<net::ByteRange> ranges;
   if (fetch.max_bytes != Fetch::kNoLimit) ranges = {{0, fetch.max_bytes}};
   const std::string& path = fetch.candidates[fetch.next - 1].path;
-  const bool by_view = loading_.options.by_view || loading_.options.large_by_view;
+  const bool by_view = loading_.options.by_view || loading_.options.large_by_view || loading_.options.one_step;
   const bool is_long = by_view && ranges.empty() && path.ends_with(".qnv");
   fetch.part = is_long ? Fetch::Part::front : Fetch::Part::all;
   if (is_long) ranges = {{0, kFrontBytes}};
@@ -213,8 +213,8 @@ void NetworkTransfers::take_rest(Fetch& fetch) {
   place.row = fetch.row;
   std::shared_ptr<StreamFeed> feed = fetch.handler->feed();
   if (feed) place.directory = feed->directory();
-  const bool by_view =
-      feed && !feed->requests()->in_stream_order() && (loading_.options.by_view || feed->takes_bytes());
+  const bool by_view = feed && !feed->requests()->in_stream_order() &&
+                       (loading_.options.by_view || loading_.options.one_step || feed->takes_bytes());
   if (!by_view || place.directory < place.front || place.directory >= place.total)
     return ask(fetch, {{fetch.received, *fetch.total}});
   RangedStream::Sink sink;
@@ -327,7 +327,8 @@ std::vector<FileResult> NetworkTransfers::read_all_now(std::span<const Wanted> w
       } else if (std::holds_alternative<net::LoadDone>(event.what)) {
         end(*request, one);
       } else if (auto* const error = std::get_if<net::LoadError>(&event.what)) {
-        finish(*request, is_absent_resource(*error) ? FileResult(NoFile{std::move(error->message)}) : FileResult(std::move(error->message)));
+        finish(*request, is_absent_resource(*error) ? FileResult(NoFile{std::move(error->message)})
+                                                    : FileResult(std::move(error->message)));
       }
     }
     if (open > 0 && loader_->queued_bytes() == 0) loading_.waker->wait(kLongestWait);

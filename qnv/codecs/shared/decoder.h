@@ -75,5 +75,6 @@ class Decoder : NonCopyable {
 [[nodiscard]] std::unique_ptr<Decoder> make_components_decoder(const StreamHeader& header, std::size_t most_vectors);
 [[nodiscard]] std::unique_ptr<Decoder> make_series_decoder(const StreamHeader& header, std::size_t most_vectors);
 [[nodiscard]] std::unique_ptr<Decoder> make_labels_decoder(const StreamHeader& header, std::size_t most_vectors);
+[[nodiscard]] std::unique_ptr<Decoder> make_label_series_decoder(const StreamHeader& header, std::size_t most_vectors);
 
 }  // namespace gs::qnv

@@ -126,7 +126,8 @@ std::optional<std::vector<ChunkPlace>> places_of(std::span<const std::byte> chun
   return reader.places();
 }
 
-PlaceEntries::PlaceEntries(const ValueGrid& grid) : blocks_(grid.dimensions, level_count(grid.dimensions)) {
+PlaceEntries::PlaceEntries(const ValueGrid& grid, bool series)
+    : blocks_(grid.dimensions, level_count(grid.dimensions)), series_(series) {
   layout_.dimensions = grid.dimensions;
   layout_.axes = grid.axes;
   layout_.origin = grid.origin;
@@ -137,19 +138,25 @@ DirectoryEntry PlaceEntries::operator()(const ChunkPlace& place) const {
   entry.offset = place.offset;
   entry.bytes = place.bytes;
   entry.parent = 0xffffffff;
+  const Extent cubes = cube_extent(layout_.dimensions);
+  const std::uint64_t slice = std::uint64_t{cubes[0]} * cubes[1];
+  std::uint64_t number = place.first;
+  if (series_) {
+    const std::uint64_t count = place.type == ChunkType::values ? blocks_.count() : slice * cubes[2];
+    entry.parent = static_cast<std::uint32_t>(std::min<std::uint64_t>(number / count, 0xffffffff));
+    number %= count;
+  }
   if (place.type == ChunkType::values) {
-    if (place.first >= blocks_.count()) return entry;
-    const BlockPlace block = blocks_.place(place.first);
+    if (number >= blocks_.count()) return entry;
+    const BlockPlace block = blocks_.place(number);
     entry.level = static_cast<std::uint8_t>(block.level);
     entry.box = box_with_reach(layout_, block.first, block.size, block.level);
     if (place.count == 0 && block.level == 1)
       entry.vectors = static_cast<std::uint32_t>(kShownFraction * static_cast<double>(sample_count(block.size)));
     return entry;
   }
-  const Extent cubes = cube_extent(layout_.dimensions);
-  const std::uint64_t slice = std::uint64_t{cubes[0]} * cubes[1];
-  const std::uint64_t most = cubes[2] - 1, first = std::min(place.first / slice, most),
-                      last = std::min((place.first + place.count - 1) / slice, most);
+  const std::uint64_t most = cubes[2] - 1, first = std::min(number / slice, most),
+                      last = std::min((number + place.count - 1) / slice, most);
   entry.box = box_with_reach(
       layout_, {0, 0, static_cast<std::uint32_t>(first * kCubeEdge)},
       {layout_.dimensions[0], layout_.dimensions[1], static_cast<std::uint32_t>((last - first + 1) * kCubeEdge)}, 0);

@@ -20,7 +20,7 @@ struct ChunkPlace {
   ChunkType type = ChunkType::values;
   std::uint64_t offset = 0;  // of the chunk header
   std::uint32_t bytes = 0;   // including the chunk header
-  std::uint64_t first = 0;   // block of a cluster; first cube of a run
+  std::uint64_t first = 0;   // block of a cluster; first cube of a run; of a time series, counted over all steps
   std::uint32_t count = 0;   // index of a cluster in its block; cubes of a run
   friend bool operator==(const ChunkPlace&, const ChunkPlace&) = default;
 };
@@ -49,15 +49,17 @@ class PlacesReader {
 [[nodiscard]] std::optional<std::vector<ChunkPlace>> places_of(std::span<const std::byte> chunks,
                                                                const StreamHeader& header);
 
-/// Converts places to the entries of a general directory. `grid` is that of the stream.
+/// Converts places to the entries of a general directory. `grid` is that of the stream. The first numbers of a time
+/// series count all steps; the parent of its entries is the step.
 class PlaceEntries {
  public:
-  explicit PlaceEntries(const ValueGrid& grid);
+  explicit PlaceEntries(const ValueGrid& grid, bool series = false);
   [[nodiscard]] DirectoryEntry operator()(const ChunkPlace& place) const;
 
  private:
   VolumeLayout layout_;
   BlockLayout blocks_;
+  bool series_;
 };
 
 }  // namespace gs::qnv::values

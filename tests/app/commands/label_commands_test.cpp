@@ -125,3 +125,48 @@ TEST_CASE("snapshot: Slices of labels have the colours of labels alone") {
     CHECK(outer > 5000);
   }
 }
+
+TEST_CASE("encode: joins label volumes to a time series, and export and pictures show its steps") {
+  const ScratchFolder folder;
+  std::string all, names;
+  std::vector<std::vector<double>> truth;
+  for (std::uint8_t step = 0; step < 10; ++step) {
+    const auto inner = static_cast<std::uint8_t>(step < 4 ? 3 : 40 + step);
+    const std::string file =
+        folder.write("run" + std::to_string(step) + ".nrrd", nrrd_labels<std::uint8_t>("uint8", inner));
+    names += quoted(file) + " ";
+    truth.push_back(numbers_in_file(file));
+    all.append(
+        nrrd_labels<std::uint8_t>("uint8", inner).substr(nrrd_labels<std::uint8_t>("uint8", inner).size() - 21840));
+  }
+  const std::string whole =
+      folder.write("all.nrrd",
+                   "NRRD0004\ntype: uint8\ndimension: 4\nsizes: 30 28 26 10\nkinds: domain domain domain time\n"
+                   "spacings: 1 1 2 1\nendian: little\nencoding: raw\n\n" +
+                       all);
+  const std::string stream = folder.path("a.qnv"), out = folder.path("out.nrrd"), picture = folder.path("a.png");
+  for (const std::string& input : {names, quoted(whole)}) {
+    const Run encoded = run("encode --labels yes " + input + " " + quoted(stream));
+    INFO(encoded.output);
+    REQUIRE(encoded.status == kDone);
+    CHECK(encoded.output.find("10 steps of labels of") != std::string::npos);
+    for (const std::size_t step : {0u, 3u, 4u, 9u}) {
+      const Run exported = run("export --time " + std::to_string(step) + " " + quoted(stream) + " " + quoted(out));
+      INFO(exported.output);
+      REQUIRE(exported.status == kDone);
+      CHECK(numbers_in_file(out) == truth[step]);
+    }
+  }
+  CHECK(run("export " + quoted(stream) + " " + quoted(out)).output.find("10 steps of 30 x 28 x 26 voxels, exact") !=
+        std::string::npos);
+  std::vector<std::string> pictures;
+  for (const char* time : {"0", "3", "9"}) {
+    const Run drawn = run("--snapshot " + quoted(picture) + " --time " + time + " " + quoted(stream) +
+                          " --size 120x120 --slice z=50% --slices-alone");
+    INFO(drawn.output);
+    REQUIRE(drawn.status == kDone);
+    pictures.push_back(folder.read("a.png"));
+  }
+  CHECK(pictures[0] == pictures[1]);
+  CHECK(pictures[0] != pictures[2]);
+}

@@ -305,16 +305,24 @@ class Labels:
                     code >>= 1
         return at
 
-    def run(self, first, count, coder):
+    def run(self, first, count, coder, differs):
         self.coder, self.now, self.list = coder, {}, []
+        kept, decision = {}, [Estimate() for _ in range(16)]
         self.uniform = [Estimate() for _ in range(16)]
         self.expected = [Estimate() for _ in range(4)]
         self.first = [Estimate() for _ in range(512)]
         self.second = [Estimate() for _ in range(16)]
         self.again = [Estimate() for _ in range(8)]
         for code in range(first, first + count):
-            lower = [4 * n for n in self.cube(code)]
+            cube = self.cube(code)
+            lower = [4 * n for n in cube]
             if all(lower[a] < self.extent[a] for a in range(3)):
+                if differs:
+                    beside = [kept[place] for place in
+                              (tuple(n - (a == axis) for a, n in enumerate(cube)) for axis in range(3)) if place in kept]
+                    kept[tuple(cube)] = coder.get(decision[4 * len(beside) + sum(beside)])
+                    if kept[tuple(cube)]:
+                        continue
                 self.one_cube(lower, [min(4, self.extent[a] - lower[a]) for a in range(3)])
         self.known.update(self.now)
 
@@ -381,27 +389,34 @@ class Labels:
         return label
 
 
-def print_labels(extent, section, payloads):
+def print_labels(extent, section, payloads, steps):
     codes, at, following = [], 0, 0
     while at < len(section):
         skipped, at = number(section, at)
         more, at = number(section, at)
         codes.extend(range(following + skipped, following + skipped + more + 1))
         following += skipped + more + 1
-    levels = []
-    while not levels or max(halves(extent, len(levels) - 1)) > 16:
-        levels.append(Labels(halves(extent, len(levels)), len(codes)))
-    for payload in payloads:
-        first, at = number(payload, 1)
-        count, at = number(payload, at)
-        levels[payload[0]].run(first, count, Range(payload[at:]))
-    for z in range(extent[2]):
-        for y in range(extent[1]):
-            for x in range(extent[0]):
-                level = 0
-                while (x >> level, y >> level, z >> level) not in levels[level].known:
-                    level += 1
-                print(codes[levels[level].known[(x >> level, y >> level, z >> level)]])
+    for step in range(steps):
+        if step % 8 == 0:
+            levels = []
+            while not levels or max(halves(extent, len(levels) - 1)) > 16:
+                levels.append(Labels(halves(extent, len(levels)), len(codes)))
+        for payload in payloads:
+            level, differs = levels[payload[0] & 127], payload[0] >> 7
+            first, at = number(payload, 1)
+            count, at = number(payload, at)
+            if first >> sum(level.bits) != step:
+                continue
+            if differs and step % 8 == 0:
+                sys.exit("labels of no step are kept")
+            level.run(first & (1 << sum(level.bits)) - 1, count, Range(payload[at:]), differs)
+        for z in range(extent[2]):
+            for y in range(extent[1]):
+                for x in range(extent[0]):
+                    level = 0
+                    while (x >> level, y >> level, z >> level) not in levels[level].known:
+                        level += 1
+                    print(codes[levels[level].known[(x >> level, y >> level, z >> level)]])
 
 
 def main():
@@ -422,7 +437,7 @@ def main():
     extent = list(struct.unpack_from("<3I", grids[0], 0))
     kept = restored(list(all_chunks(data, length)))
     if grids[0][73] & 4:
-        return print_labels(extent, names, [payload for kind, payload in kept if kind == 19])
+        return print_labels(extent, names, [payload for kind, payload in kept if kind == 19], steps)
     (components,) = struct.unpack_from("<H", grids[0], 74)
     levels = 0
     while max(halves(extent, levels)) > 16:

@@ -20,14 +20,15 @@ void BlockCache::decode(std::uint64_t number, State& state, const ClusterChunks&
   const std::span<const ClusterPlace> all = chunks.of(number);
   std::vector<Cluster> clusters;
   while (!state.damaged && state.next < all.size() && chunks.has(all[state.next])) {
-    auto cluster = chunks.read(all[state.next]);
-    if (!cluster || cluster->block != number || cluster->index != state.next || cluster->plane > kHighestPlane) {
+    auto cluster = chunks.read(number, all[state.next]);
+    if (!cluster || cluster->index != state.next || cluster->plane > kHighestPlane) {
       state.damaged = true;
       break;
     }
     if (!state.block) {
-      state.block = std::make_unique<Block>(layout_.place(number));
+      state.block = std::make_unique<Block>(layout_.place(number % layout_.count()));
       state.block->start(cluster->plane);
+      state.differs = cluster->differs;
     }
     clusters.push_back(std::move(*cluster));
     ++state.next;
@@ -53,6 +54,11 @@ void BlockCache::decode(std::span<const std::uint64_t> blocks, const ClusterChun
 const Block* BlockCache::find(std::uint64_t block) const {
   const auto found = blocks_.find(block);
   return found != blocks_.end() ? found->second.block.get() : nullptr;
+}
+
+bool BlockCache::differs(std::uint64_t block) const {
+  const auto found = blocks_.find(block);
+  return found != blocks_.end() && found->second.differs;
 }
 
 bool BlockCache::whole(std::uint64_t block, const ClusterChunks& chunks) const {

@@ -12,7 +12,7 @@
 
 namespace gs::qnv::values {
 
-/// Decoded blocks of a stream. One thread at a time.
+/// Decoded blocks of a stream, numbered over all steps of a time series. One thread at a time.
 class BlockCache : NonCopyable {
  public:
   explicit BlockCache(const BlockLayout& layout) : layout_(layout) {}
@@ -21,6 +21,8 @@ class BlockCache : NonCopyable {
   void decode(std::span<const std::uint64_t> blocks, const ClusterChunks& chunks);
   /// Returns a block, or null if none of its clusters was decoded.
   [[nodiscard]] const Block* find(std::uint64_t block) const;
+  /// Reports whether a block is a difference to that of the step before.
+  [[nodiscard]] bool differs(std::uint64_t block) const;
   /// Reports whether all clusters of a block with known places were decoded.
   [[nodiscard]] bool whole(std::uint64_t block, const ClusterChunks& chunks) const;
   /// Drops the blocks that were used least recently, down to a limit.
@@ -36,6 +38,7 @@ class BlockCache : NonCopyable {
     std::unique_ptr<Block> block;
     std::uint32_t next = 0;  // index of the next cluster
     bool damaged = false;    // that cluster cannot be used
+    bool differs = false;    // the block is a difference to that of the step before
     std::size_t bytes = 0;
     std::uint64_t used = 0;
   };

@@ -44,21 +44,40 @@ std::uint64_t BrickCache::key_of(const BrickName& name, const BrickNeeds& needs,
   blocks.clear();
   layout_.visit_blocks(name, true, [&](std::uint64_t block) {
     if (!needs.blocks.contains(block)) return;
-    const std::uint32_t received = BlockCache::received(block, sources.chunks);
-    if (received == 0) return;
-    key = mixed(mixed(key, block), received);
-    blocks.push_back(block);
+    for (std::uint32_t step = sources.chain.first; step <= sources.chain.last; ++step) {
+      const std::uint64_t number = sources.chain.number(step, block);
+      const std::uint32_t received = BlockCache::received(number, sources.chunks);
+      if (received == 0) continue;
+      key = mixed(mixed(key, number), received);
+      blocks.push_back(number);
+    }
   });
   return key;
+}
+
+// Returns the blocks that add up to the coefficients of the last step: at each place, the last one that is no
+// difference, and those after it.
+std::vector<const Block*> BrickCache::parts_of(std::span<const std::uint64_t> blocks) const {
+  const std::uint64_t count = layout_.blocks().count();
+  std::vector<const Block*> parts;
+  for (std::size_t end = blocks.size(); end > 0;) {
+    const std::uint64_t place = blocks[end - 1] % count;
+    bool refers = true;
+    for (; end > 0 && blocks[end - 1] % count == place; --end) {
+      const Block* const block = refers ? blocks_.find(blocks[end - 1]) : nullptr;
+      if (!block) continue;
+      parts.push_back(block);
+      refers = blocks_.differs(blocks[end - 1]);
+    }
+  }
+  return parts;
 }
 
 void BrickCache::compute(const Work& work, const BrickNeeds& needs, const BrickSources& sources) const {
   Brick& brick = work.state->brick;
   const int level = brick.name.level;
   const BrickBase& base = sources.base;
-  std::vector<const Block*> blocks;
-  for (const std::uint64_t number : work.blocks)
-    if (const Block* const block = blocks_.find(number)) blocks.push_back(block);
+  const std::vector<const Block*> blocks = parts_of(work.blocks);
   BrickSamples made = lift_brick(level, layout_.extended(brick.name), layout_.extent(level),
                                  work.parent ? *work.parent->samples : *base.samples, blocks);
   brick.final = {};

@@ -50,6 +50,7 @@ struct BrickSources {
   const ClusterChunks& chunks;
   const GapRuns& gaps;
   const RemainderRuns& remainders;
+  const StepChain& chain;
 };
 
 /// Bricks that views need. `chosen` has each after the one that contains it.
@@ -87,13 +88,14 @@ class BrickCache : NonCopyable {
   /// Brick to compute, with the blocks around it.
   struct Work {
     State* state = nullptr;
-    const Brick* parent = nullptr;  // null means the level that viewers have as a whole
-    std::vector<std::uint64_t> blocks;
+    const Brick* parent = nullptr;      // null means the level that viewers have as a whole
+    std::vector<std::uint64_t> blocks;  // those of a place after each other, in the order of their steps
     bool exact = false;
   };
   [[nodiscard]] std::uint64_t key_of(const BrickName& name, const BrickNeeds& needs, const BrickSources& sources,
                                      std::vector<std::uint64_t>& blocks) const;
   void compute(const Work& work, const BrickNeeds& needs, const BrickSources& sources) const;
+  [[nodiscard]] std::vector<const Block*> parts_of(std::span<const std::uint64_t> blocks) const;
   void finish(Brick& brick, BrickSamples& made, std::span<const std::int32_t> raw, const BrickSources& sources) const;
   void make_room(const BrickNeeds& needs, const BrickBase& base, std::size_t most_bytes);
   void trim(std::size_t most_bytes);

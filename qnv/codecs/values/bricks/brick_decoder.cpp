@@ -1,6 +1,7 @@
 #include "qnv/codecs/values/bricks/brick_decoder.h"
 
 #include "qnv/codecs/values/bricks/brick_merge.h"
+#include "qnv/codecs/values/component_number.h"
 #include "qnv/codecs/values/decode/level_layout.h"
 #include "qnv/codecs/values/decode/values_decoder.h"
 #include "qnv/sampling/volume/volume_values.h"
@@ -21,6 +22,18 @@ std::vector<VolumeLayout> layouts_of(const StreamHeader& header, int base) {
   for (int level = 0; level <= base; ++level)
     levels.push_back(values::level_layout(header.grid, header.description, level));
   return levels;
+}
+
+values::StepChain chain_of(const StreamHeader& header, std::uint32_t step) {
+  values::StepChain chain;
+  const values::ComponentCounts counts = values::component_counts(header.grid);
+  chain.blocks = counts.blocks;
+  chain.cubes = counts.cubes;
+  chain.series = !header.steps.times.empty();
+  if (!chain.series) return chain;
+  chain.last = std::min(step, static_cast<std::uint32_t>(header.steps.times.size() - 1));
+  chain.first = chain.last - chain.last % static_cast<std::uint32_t>(kChainSteps);
+  return chain;
 }
 
 /// Returns a finer part of the values.
@@ -57,18 +70,21 @@ int BrickDecoder::base_level(const ValueGrid& grid, std::size_t most_vectors) {
 }
 
 BrickDecoder::BrickDecoder(const StreamHeader& header, const BrickLimits& limits,
-                           std::shared_ptr<const ChunkSource> source)
+                           std::shared_ptr<const ChunkSource> source, std::uint32_t step)
     : header_(header),
       limits_(limits),
       source_(std::move(source)),
       layout_(header.grid.dimensions, base_level(header.grid, limits.base_vectors)),
+      chain_(chain_of(header, step)),
       levels_(layouts_of(header, layout_.base())),
       kept_(limits.arrived_bytes),
-      chunks_(source_, kept_),
+      chunks_(source_, kept_, chain_),
       gaps_(header.grid.dimensions),
       remainders_(header.grid.dimensions, source_, kept_),
       cache_(layout_, levels_, header.grid),
-      decoder_(make_values_decoder(header, limits.base_vectors)) {
+      decoder_(chain_.series ? make_series_decoder(header, limits.base_vectors)
+                             : make_values_decoder(header, limits.base_vectors)) {
+  decoder_->show({0, false, false, {chain_.last, {}}});
   GeometryBase base{header.description, header.color};
   base_volume_ = shown_ = std::make_shared<const Volume>(std::move(base));
   // The coarse level gets only its own chunks, so the header's errors of prefixes do not hold for it.
@@ -91,7 +107,8 @@ void BrickDecoder::take(ChunkType type, std::span<const std::byte> payload, std:
 }
 
 void BrickDecoder::take_cluster(std::span<const std::byte> payload, std::uint64_t offset) {
-  const auto cluster = values::parse_cluster(payload);
+  std::uint32_t step = 0;
+  const auto cluster = chain_.parse(payload, &step);
   if (!cluster) return;
   if (is_base(cluster->block) && base_taken_.insert(offset).second) {
     base_known_.insert(offset);
@@ -100,13 +117,18 @@ void BrickDecoder::take_cluster(std::span<const std::byte> payload, std::uint64_
   }
   if (!is_fine(cluster->block)) return;
   const auto bytes = static_cast<std::uint32_t>(kChunkHeaderBytes + payload.size());
-  const bool known = chunks_.note(cluster->block, {offset, bytes, cluster->index});
-  if (known && !source_) chunks_.keep(cluster->block, offset, payload);
+  const std::uint64_t number = chain_.number(step, cluster->block);
+  const bool known = chunks_.note(number, {offset, bytes, cluster->index});
+  if (known && !source_) chunks_.keep(number, offset, payload);
 }
 
 void BrickDecoder::take_run(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
   auto run = values::parse_run(payload);
   if (!run) return;
+  if (chain_.series) {
+    if (run->first / chain_.cubes != chain_.last) return;
+    run->first %= chain_.cubes;
+  }
   if (type == ChunkType::remainders) {
     const auto bytes = static_cast<std::uint32_t>(kChunkHeaderBytes + payload.size());
     const bool known = remainders_.note({run->first, offset, bytes, run->count});
@@ -117,19 +139,28 @@ void BrickDecoder::take_run(ChunkType type, std::span<const std::byte> payload, 
   }
 }
 
-void BrickDecoder::take_place(const values::ChunkPlace& place) {
+void BrickDecoder::take_place(values::ChunkPlace place) {
+  const std::uint64_t number = place.first;
+  if (chain_.series) {
+    const std::uint64_t count = place.type == ChunkType::values ? chain_.blocks : chain_.cubes,
+                        step = place.first / count;
+    // Only clusters of earlier steps matter.
+    if (place.type == ChunkType::values ? !chain_.has(step) : step != chain_.last) return;
+    place.first %= count;
+  }
   if (place.type == ChunkType::gaps || (place.type == ChunkType::values && is_base(place.first))) {
     base_places_.push_back({place.offset, place.bytes});
     base_known_.insert(place.offset);
   }
   if (place.type == ChunkType::values && is_fine(place.first))
-    (void)chunks_.note(place.first, {place.offset, place.bytes, place.count});
+    (void)chunks_.note(number, {place.offset, place.bytes, place.count});
   if (place.type == ChunkType::remainders && has_remainders())
     (void)remainders_.note({place.first, place.offset, place.bytes, place.count});
 }
 
 // Reports whether all chunks of the stream are known, and those of the coarse level and all gaps are received.
 bool BrickDecoder::has_final_base() const {
+  if (chain_.series) return false;
   if (!decoder_) return base_.final;
   const std::vector<ValueError>& errors = header_.grid.errors;
   const DecodeCount count = decoder_->count();
@@ -204,6 +235,7 @@ bool BrickDecoder::decode_base() {
   Geometry geometry = decoder_->geometry(GeometryBase{header_.description, header_.color});
   auto* const volume = geometry.as<Volume>();
   if (!volume || !volume->values) return false;
+  volume->series.reset();
   whole_base_ = volume->values->level == layout_.base() && layout_.base() > 0;
   if (!whole_base_) {
     base_volume_ = std::make_shared<const Volume>(std::move(*volume));
@@ -289,7 +321,7 @@ std::shared_ptr<const Volume> BrickDecoder::decode(std::span<const LodView> view
   if (whole_base_ && has_places_ && base_taken_.size() == base_known_.size()) decoder_.reset();
   choose(views);
   // Former bricks and vectors make room for new ones, unless a renderer still has them.
-  const bool finished = cache_.update(needs_, {base_, chunks_, gaps_, remainders_}, limits_.brick_bytes, stop,
+  const bool finished = cache_.update(needs_, {base_, chunks_, gaps_, remainders_, chain_}, limits_.brick_bytes, stop,
                                       [this] { shown_ = base_volume_; });
   if (!finished) return shown_;
   if (!source_) {

@@ -48,8 +48,9 @@ struct BrickStatistics {
 /// at a time. Safe for untrusted bytes.
 class BrickDecoder : NonCopyable {
  public:
-  /// `source` is the file of the stream; null means that its chunks are added.
-  BrickDecoder(const StreamHeader& header, const BrickLimits& limits, std::shared_ptr<const ChunkSource> source);
+  /// `source` is the file of the stream; null means that its chunks are added. `step` is that of a time series.
+  BrickDecoder(const StreamHeader& header, const BrickLimits& limits, std::shared_ptr<const ChunkSource> source,
+               std::uint32_t step = 0);
 
   /// Returns the level that is decoded as a whole.
   [[nodiscard]] static int base_level(const ValueGrid& grid, std::size_t most_vectors);
@@ -74,7 +75,7 @@ class BrickDecoder : NonCopyable {
 
  private:
   void take(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset);
-  void take_place(const values::ChunkPlace& place);
+  void take_place(values::ChunkPlace place);
   bool scan_source(const std::function<bool()>& stop);
   void take_cluster(std::span<const std::byte> payload, std::uint64_t offset);
   void take_run(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset);
@@ -82,7 +83,10 @@ class BrickDecoder : NonCopyable {
   void choose(std::span<const LodView> views);
   void need_runs(const values::SampleBox& brick, std::span<const LodView> views, bool all);
   [[nodiscard]] bool has_final_base() const;
-  [[nodiscard]] bool has_remainders() const { return header_.grid.exact || header_.grid.correction != 0; }
+  /// Time series have no remainders here, because section 12 counts them with all other chunks of a step.
+  [[nodiscard]] bool has_remainders() const {
+    return !chain_.series && (header_.grid.exact || header_.grid.correction != 0);
+  }
   void merge(bool with_values);
   [[nodiscard]] bool is_base(std::uint64_t block) const;
   [[nodiscard]] bool is_fine(std::uint64_t block) const;
@@ -91,8 +95,9 @@ class BrickDecoder : NonCopyable {
   const BrickLimits limits_;
   const std::shared_ptr<const ChunkSource> source_;
   values::BrickLayout layout_;
+  const values::StepChain chain_;
   std::vector<VolumeLayout> levels_;  // layouts of the levels 0 to layout_.base()
-  values::KeptPayloads kept_;  // received chunks of bricks
+  values::KeptPayloads kept_;         // received chunks of bricks
   values::ClusterChunks chunks_;
   values::GapRuns gaps_;
   values::RemainderRuns remainders_;

@@ -17,8 +17,9 @@ constexpr std::uint64_t kMostWaiting = std::uint64_t{16} << 20;  // received byt
 
 }  // namespace
 
-BrickVolume::BrickVolume(StreamHeader header, const BrickLimits& limits, std::shared_ptr<const ChunkSource> source)
-    : header_(std::move(header)), decoder_(header_, limits, std::move(source)) {
+BrickVolume::BrickVolume(StreamHeader header, const BrickLimits& limits, std::shared_ptr<const ChunkSource> source,
+                         std::uint32_t step)
+    : header_(std::move(header)), decoder_(header_, limits, std::move(source), step) {
   return_large_pieces();
 }
 
@@ -29,19 +30,18 @@ BrickVolume::~BrickVolume() {
 
 bool BrickVolume::suits(const StreamHeader& header, std::size_t most_vectors) {
   return header.payload == Payload::values && !header.grid.labels && header.grid.components == 1 &&
-         header.steps.times.empty() && values::valid(header.grid.dimensions) &&
-         BrickDecoder::base_level(header.grid, most_vectors) > 0;
+         values::valid(header.grid.dimensions) && BrickDecoder::base_level(header.grid, most_vectors) > 0;
 }
 
 BrickVolume::Opened BrickVolume::open(std::shared_ptr<const ChunkSource> source, const BrickLimits& limits,
-                                      const std::function<bool()>& stop) {
+                                      const std::function<bool()>& stop, std::uint32_t step) {
   std::size_t header_bytes = 0;
   auto header = read_stream_header(*source, header_bytes);
   if (auto* const problem = std::get_if<StreamProblem>(&header)) return std::move(*problem);
   auto& known = std::get<StreamHeader>(header);
   if (known.payload != Payload::values || !values::valid(known.grid.dimensions))
     return StreamProblem{11, "has no values of a volume"};
-  std::shared_ptr<BrickVolume> made(new BrickVolume(std::move(known), limits, std::move(source)));
+  std::shared_ptr<BrickVolume> made(new BrickVolume(std::move(known), limits, std::move(source), step));
   if (!made->decoder_.read_source(stop)) return StreamProblem{0, "cannot be read"};
   std::unique_lock lock(made->mutex_);
   made->run(lock, false);
@@ -56,7 +56,7 @@ BrickVolume::Opened BrickVolume::begin(std::span<const std::byte> front, const B
   auto& known = std::get<StreamHeader>(header);
   if (known.payload != Payload::values || !values::valid(known.grid.dimensions))
     return StreamProblem{11, "has no values of a volume"};
-  std::shared_ptr<BrickVolume> made(new BrickVolume(std::move(known), limits, nullptr));
+  std::shared_ptr<BrickVolume> made(new BrickVolume(std::move(known), limits, nullptr, 0));
   made->push(front);
   std::unique_lock lock(made->mutex_);
   made->run(lock, false);

@@ -26,14 +26,16 @@ class BrickVolume final : public ViewedStream, public VolumeDetail {
  public:
   using Opened = std::variant<std::shared_ptr<BrickVolume>, StreamProblem>;
   /// Opens a stream in a file. Reads its directory and the chunks of the coarse level now, and others when views need
-  /// them. Without a directory, reads the whole stream once. `stop` ends this if it returns true.
+  /// them. Without a directory, reads the whole stream once. `stop` ends this if it returns true. `step` is that of a
+  /// time series.
   [[nodiscard]] static Opened open(std::shared_ptr<const ChunkSource> source, const BrickLimits& limits = {},
-                                   const std::function<bool()>& stop = {});
+                                   const std::function<bool()>& stop = {}, std::uint32_t step = 0);
   /// Opens a growing stream from its first bytes, which must contain the whole header.
   [[nodiscard]] static Opened begin(std::span<const std::byte> front, const BrickLimits& limits = {});
   ~BrickVolume() override;
 
-  /// Reports whether a stream is a volume with more samples than can be decoded for this number of vectors.
+  /// Reports whether a stream is a volume with more samples than can be decoded for this number of vectors, or a time
+  /// series of them. begin() shows its first step.
   [[nodiscard]] static bool suits(const StreamHeader& header, std::size_t most_vectors);
 
   bool push(std::span<const std::byte> bytes) override;
@@ -70,7 +72,8 @@ class BrickVolume final : public ViewedStream, public VolumeDetail {
     bool finished = false;
     std::uint64_t bytes = 0;
   };
-  BrickVolume(StreamHeader header, const BrickLimits& limits, std::shared_ptr<const ChunkSource> source);
+  BrickVolume(StreamHeader header, const BrickLimits& limits, std::shared_ptr<const ChunkSource> source,
+              std::uint32_t step);
   [[nodiscard]] bool is_due() const;
   void work(Inbox inbox, const std::vector<LodView>& views);
   void run(std::unique_lock<std::mutex>& lock, bool beside);

@@ -6,7 +6,7 @@
 #include "qnv/codecs/values/decode/chunk_index.h"
 #include "qnv/codecs/values/decode/sample_limits.h"
 #include "qnv/codecs/values/decode/values_decoder.h"
-#include "qnv/codecs/values/labels/decode/label_volume.h"
+#include "qnv/codecs/values/labels/decode/label_slices.h"
 #include "qnv/codecs/values/slices/slice_transform.h"
 #include "qnv/codecs/values/stored_code.h"
 #include "qnv/sampling/volume/color_voxels.h"
@@ -26,9 +26,9 @@ namespace {
 
 using values::BlockClusters;
 using values::ChunkIndex;
-using values::FoundCluster;
 using values::ComponentIndexer;
 using values::Extent;
+using values::FoundCluster;
 using values::FoundRun;
 
 constexpr std::int32_t kMissingNumber = std::numeric_limits<std::int32_t>::min();
@@ -214,26 +214,60 @@ class SliceReader {
   std::atomic<bool> failed_{false};
 };
 
-/// Labels of a stream, in memory.
+/// Collector of the labels of a stream.
 class LabelReceiver {
  public:
-  void add(const StreamHeader& header, ChunkType type, std::span<const std::byte> payload) {
+  void add(const StreamHeader& header, ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
     if (!values::valid(header.grid.dimensions) || type != ChunkType::labels) return;
-    if (!levels_) levels_.emplace(header.grid.dimensions, header.grid.palette.size(), 0);
-    const auto run = values::parse_label_run(payload);
-    const auto added = run ? levels_->add(*run) : values::AddedLabels::refused;
-    if (added == values::AddedLabels::taken) ++taken_;
-    good_ = good_ && added != values::AddedLabels::refused;
+    prepare(header);
+    auto run = values::parse_label_run(payload);
+    std::uint64_t step = 0;
+    const auto& orders = steps_.front()->layout().orders;
+    if (run && run->level < orders.size()) step = values::take_step(*run, orders[run->level].codes());
+    const bool refers = run && run->differs && step % kChainSteps == 0;
+    good_ = run && !refers && step < steps_.size() &&
+            steps_[static_cast<std::size_t>(step)]->add(*run, payload.size(), offset) && good_;
   }
-  [[nodiscard]] std::shared_ptr<const VolumeValues> values(const StreamHeader& header, bool whole) {
-    if (!levels_) levels_.emplace(header.grid.dimensions, header.grid.palette.size(), 0);
-    return values::label_values(header.grid, header.description, *levels_, 0,
-                                whole && good_ ? std::optional(taken_) : std::nullopt);
+  [[nodiscard]] std::shared_ptr<const VolumeValues> values(const StreamHeader& header, const StreamBytes& bytes,
+                                                           bool whole) {
+    prepare(header);
+    std::uint32_t taken = 0;
+    for (const auto& step : steps_) {
+      step->finish();
+      taken += step->count();
+    }
+    const auto in_order = whole && good_ ? std::optional(taken) : std::nullopt;
+    if (header.steps.times.empty())
+      return values::label_slices(header.grid, header.description, {steps_.front()}, bytes.read,
+                                  steps_.front()->is_whole(0), in_order);
+    std::vector<std::shared_ptr<const VolumeValues>> all;
+    values::LabelChain chain;
+    bool complete = true;
+    for (std::size_t step = 0; step < steps_.size(); ++step) {
+      if (step % kChainSteps == 0) {
+        chain.clear();
+        complete = true;
+      }
+      chain.push_back(steps_[step]);
+      complete = complete && steps_[step]->count() >= header.steps.chunks[step];
+      auto made = values::label_slices(header.grid, header.description, chain, bytes.read, complete, in_order);
+      made->step = static_cast<std::uint32_t>(step);
+      made->times = header.steps.times;
+      all.push_back(std::move(made));
+    }
+    auto made = std::make_shared<VolumeValues>(*all.front());
+    made->steps = std::move(all);
+    return made;
   }
 
  private:
-  std::optional<values::LabelLevels> levels_;
-  std::uint32_t taken_ = 0;
+  void prepare(const StreamHeader& header) {
+    if (!steps_.empty()) return;
+    const auto layout = std::make_shared<const values::LabelLayout>(header.grid.dimensions);
+    for (std::size_t step = 0; step < std::max<std::size_t>(1, header.steps.times.size()); ++step)
+      steps_.push_back(std::make_shared<values::LabelRunIndex>(layout));
+  }
+  std::vector<std::shared_ptr<values::LabelRunIndex>> steps_;  // one for a single volume
   bool good_ = true;
 };
 
@@ -370,7 +404,7 @@ std::variant<std::shared_ptr<const VolumeValues>, StreamProblem> open_values_sli
   LabelReceiver labels;
   const auto take = [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
     if (reader.header()->grid.labels)
-      labels.add(*reader.header(), type, payload);
+      labels.add(*reader.header(), type, payload, offset + kChunkHeaderBytes);
     else if (reader.header()->payload == Payload::values && values::valid(reader.header()->grid.dimensions))
       indexer.add(*reader.header(), type, payload, offset + kChunkHeaderBytes);
   };
@@ -389,7 +423,7 @@ std::variant<std::shared_ptr<const VolumeValues>, StreamProblem> open_values_sli
     return StreamProblem{0, "has too many voxels; expected at most " + std::to_string(values::kMostSamples)};
   if (head.grid.labels) {
     if (header) *header = head;
-    return labels.values(head, reader.problems().empty());
+    return labels.values(head, bytes, reader.problems().empty());
   }
   if (header) *header = head;
   StepSlices steps(head, bytes, indexer, reader.problems().empty());

@@ -186,6 +186,16 @@ void ComponentEncoder::order_steps(std::size_t max_bytes) {
       return std::tuple(-a.rank, a.block, a.index) < std::tuple(-b.rank, b.block, b.index);
     });
   }
+  // In streams that are worth reading in part, clusters of about equal rank are in the order of the steps, so that one
+  // step is few ranges.
+  constexpr std::size_t kWorthGrouping = 1024;
+  constexpr float kGroups = 2;  // per octave
+  std::size_t all = 0;
+  for (const ComponentParts& parts : made_.steps) all += parts.clusters.size();
+  if (all >= kWorthGrouping && options_.max_bytes == 0)
+    for (ComponentParts& parts : made_.steps)
+      for (StoredCluster& cluster : parts.clusters)
+        if (cluster.rank > 0) cluster.rank = std::exp2(std::floor(kGroups * std::log2(cluster.rank)) / kGroups);
   for (std::size_t step = 0; step < steps_.size(); ++step)
     for (const StoredCluster& cluster : made_.steps[step].clusters)
       merged_.emplace_back(cluster, static_cast<std::uint32_t>(step));

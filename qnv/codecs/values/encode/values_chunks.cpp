@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <utility>
 
 namespace gs::qnv::values {
 
@@ -36,7 +37,10 @@ void ValuesChunks::merge() {
   begin = merged_.size();
   for (std::size_t c = 0; c < parts_.size(); ++c)
     for (const StoredRun& run : parts_[c].remainders) merged_.push_back({&run, nullptr, c, false});
-  std::ranges::stable_sort(from(begin), merged_.end(), {}, [](const Place& place) { return place.run->first; });
+  // Those of a step follow each other, because a step needs all of its own.
+  std::ranges::stable_sort(from(begin), merged_.end(), {}, [this](const Place& place) {
+    return std::pair(place.component / components_, place.run->first);
+  });
 }
 
 std::size_t ValuesChunks::size() const {
@@ -89,17 +93,21 @@ std::optional<OutgoingChunk> ValuesChunks::chunk(std::size_t i) const {
 }
 
 std::optional<std::vector<std::vector<std::byte>>> ValuesChunks::places(std::span<const DirectoryEntry> entries) const {
-  if (parts_.size() > 1) return std::nullopt;
+  if (components_ > 1) return std::nullopt;
+  const Extent cubes = cube_extent(extent_);
+  const std::uint64_t all_cubes = std::uint64_t{cubes[0]} * cubes[1] * cubes[2];
   std::vector<ChunkPlace> places;
   places.reserve(entries.size());
   for (std::size_t i = 0; i < entries.size(); ++i) {
-    places.push_back(chunk_place(place_of(i)));
+    const Place place = place_of(i);
+    places.push_back(chunk_place(place));
+    places.back().first += place.component * (place.cluster ? blocks_.count() : all_cubes);
     places.back().offset = entries[i].offset;
     places.back().bytes = entries[i].bytes;
   }
   return pack_places(places);
 }
 
-std::size_t ValuesChunks::entry_bytes() const { return parts_.size() > 1 ? kDirectoryEntryBytes : kMostPlaceBytes; }
+std::size_t ValuesChunks::entry_bytes() const { return components_ > 1 ? kDirectoryEntryBytes : kMostPlaceBytes; }
 
 }  // namespace gs::qnv::values

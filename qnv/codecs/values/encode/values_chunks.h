@@ -34,7 +34,7 @@ class ValuesChunks final : public ChunkList {
 
   [[nodiscard]] std::size_t size() const override;
   [[nodiscard]] std::optional<OutgoingChunk> chunk(std::size_t i) const override;
-  /// Returns nullopt for several components, because places name blocks of one.
+  /// Returns nullopt for several components, because places name blocks of one. They count those of all steps.
   [[nodiscard]] std::optional<std::vector<std::vector<std::byte>>> places(
       std::span<const DirectoryEntry> entries) const override;
   [[nodiscard]] std::size_t entry_bytes() const override;
@@ -51,6 +51,7 @@ class ValuesChunks final : public ChunkList {
   [[nodiscard]] Place place_of(std::size_t i) const;
   [[nodiscard]] bool read(const Place& place, std::vector<std::byte>& payload) const;
 
+  /// Returns the place of a chunk, with the number in its step.
   [[nodiscard]] static ChunkPlace chunk_place(const Place& place);
 
   const SpillStore& store_;

@@ -32,4 +32,10 @@ Extent CubeOrder::place(std::uint64_t code) const {
   return cube;
 }
 
+int CubeOrder::bits_below(int bits) const {
+  int sum = 0;
+  for (const int all : bits_) sum += std::min(all, bits);
+  return sum;
+}
+
 }  // namespace gs::qnv::values

@@ -1,14 +1,12 @@
 #include "qnv/codecs/values/labels/label_runs.h"
 
 #include "qnv/base/short_number.h"
-#include "qnv/codecs/values/block.h"
 #include "qnv/codecs/values/cluster.h"
 #include "qnv/codecs/values/cube_runs.h"
+#include "qnv/codecs/values/labels/label_coding.h"
 
 #include <algorithm>
 #include <array>
-#include <bit>
-#include <type_traits>
 #include <utility>
 
 namespace gs::qnv::values {
@@ -18,230 +16,109 @@ using displaced::BinaryEncoder;
 
 namespace {
 
-constexpr std::uint32_t kUnknown = 0xffffffff;  // no label
-constexpr std::uint32_t kEdge = kCubeEdge + 2;  // of a cube with its neighbours
-constexpr std::uint32_t kRow = kEdge, kSlice = kEdge * kEdge;
-constexpr std::size_t kRecent = 16, kSearched = 8;  // labels that were coded explicitly
+constexpr std::uint8_t kMayKeep = 128;  // bit of a chunk's level
 // Sizes of a run. From the first one on, an encoder saves its state before cubes of several labels; from the second one
 // on, before all cubes. Above the third one, it restores that state. A run has at most 5 more bytes at its end, and 10
 // at its start.
 constexpr std::size_t kMixedBytes = 100, kCarefulBytes = 1100, kMostRunBytes = kMaxClusterBytes - 20;
 
-/// Neighbour of a voxel that is coded before it.
-struct LabelNeighbour {
-  int offset;            // in a LabelWindow
-  std::uint32_t weight;  // of its vote
-};
-constexpr int neighbour(int x, int y, int z) { return x + y * static_cast<int>(kRow) + z * static_cast<int>(kSlice); }
-// The first nine are the bits of the context.
-constexpr std::array<LabelNeighbour, 13> kNeighbours{{{neighbour(-1, 0, 0), 3},
-                                                      {neighbour(0, -1, 0), 3},
-                                                      {neighbour(0, 0, -1), 3},
-                                                      {neighbour(-1, -1, 0), 2},
-                                                      {neighbour(-1, 0, -1), 2},
-                                                      {neighbour(0, -1, -1), 2},
-                                                      {neighbour(1, -1, 0), 2},
-                                                      {neighbour(1, 0, -1), 2},
-                                                      {neighbour(0, 1, -1), 2},
-                                                      {neighbour(-1, -1, -1), 1},
-                                                      {neighbour(1, -1, -1), 1},
-                                                      {neighbour(-1, 1, -1), 1},
-                                                      {neighbour(1, 1, -1), 1}}};
-constexpr std::size_t kContextNeighbours = 9;
-
-/// Labels of a cube, and of the voxels around it as far as its run has them.
-struct LabelWindow {
-  std::array<std::uint32_t, kEdge * kEdge * kEdge> labels;
-  Extent size{};  // of the cube
-
-  [[nodiscard]] static std::size_t at(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
-    return ((z + 1) * kEdge + y + 1) * kEdge + x + 1;
-  }
-  /// Calls visit(label) for each voxel of the cube, x first.
-  template <class Visit>
-  void each(Visit&& visit) {
-    for (std::uint32_t z = 0; z < size[2]; ++z)
-      for (std::uint32_t y = 0; y < size[1]; ++y)
-        for (std::uint32_t x = 0; x < size[0]; ++x) visit(labels[at(x, y, z)]);
-  }
-  [[nodiscard]] bool is_uniform() {
-    bool uniform = true;
-    each([&, first = labels[at(0, 0, 0)]](std::uint32_t label) { uniform = uniform && label == first; });
-    return uniform;
-  }
-};
-
-/// Estimates of a run, and the labels that it coded explicitly.
-struct LabelModels {
-  std::array<Estimate, 16> uniform;  // by faces that are known, and that have the expected label
-  std::array<Estimate, 4> expected;  // by the latter
-  std::array<Estimate, std::size_t{1} << kContextNeighbours> first;
-  std::array<Estimate, 16> second;  // by the votes
-  std::array<Estimate, kSearched> again;
-  std::array<std::uint32_t, kRecent> recent{};
-  std::size_t recent_count = 0;
-
-  void remember(std::uint32_t label) {
-    std::size_t at = 0;
-    while (at < recent_count && recent[at] != label) ++at;
-    if (at == recent_count) at = recent_count < kRecent ? recent_count++ : kRecent - 1;
-    for (; at > 0; --at) recent[at] = recent[at - 1];
-    recent[0] = label;
-  }
-};
-
-/// Most frequent labels around a voxel, by votes.
-struct LabelVotes {
-  std::uint32_t first = kUnknown, second = kUnknown;
-  std::uint32_t first_votes = 0, second_votes = 0, all = 0;
-};
-
-LabelVotes votes_around(const std::uint32_t* here) {
-  std::array<std::uint32_t, kNeighbours.size()> labels{}, votes{};
-  std::size_t count = 0;
-  LabelVotes result;
-  for (const LabelNeighbour& near : kNeighbours) {
-    const std::uint32_t label = here[near.offset];
-    if (label == kUnknown) continue;
-    result.all += near.weight;
-    std::size_t i = 0;
-    while (i < count && labels[i] != label) ++i;
-    if (i == count) labels[count++] = label;
-    votes[i] += near.weight;
-  }
-  for (std::size_t i = 0; i < count; ++i)
-    if (votes[i] > result.first_votes) {
-      result.second = std::exchange(result.first, labels[i]);
-      result.second_votes = std::exchange(result.first_votes, votes[i]);
-    } else if (votes[i] > result.second_votes) {
-      result.second = labels[i];
-      result.second_votes = votes[i];
-    }
-  return result;
-}
-
-/// Encodes or decodes the cubes of a run. `Coder` is BinaryEncoder or BinaryDecoder.
-template <class Coder>
-class LabelCoder {
+/// Flags of the cubes of a run that are kept, by code.
+class KeptCubes {
  public:
-  LabelCoder(Coder& coder, LabelModels& models, std::uint32_t count) : coder_(coder), models_(models), count_(count) {}
-
-  /// Encodes the labels of the cube in a window, or sets them.
-  void cube(LabelWindow& window) {
-    std::uint32_t expected = kUnknown;
-    for (const std::size_t beside :
-         {LabelWindow::at(0, 0, 0) - 1, LabelWindow::at(0, 0, 0) - kRow, LabelWindow::at(0, 0, 0) - kSlice})
-      if (expected == kUnknown) expected = window.labels[beside];
-    std::size_t known = 0, same = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      bool there = false, equal = true;
-      each_beside(window, axis, [&](std::uint32_t label) {
-        there = there || label != kUnknown;
-        equal = equal && label == expected;
-      });
-      known += there ? 1 : 0;
-      same += there && equal ? 1 : 0;
-    }
-    std::uint32_t label = window.labels[LabelWindow::at(0, 0, 0)];
-    if (code(models_.uniform[4 * known + same], kEncodes && window.is_uniform())) {
-      if (expected == kUnknown || !code(models_.expected[same], label == expected))
-        label = explicit_label(label, expected, kUnknown);
-      else
-        label = expected;
-      if constexpr (!kEncodes) window.each([&](std::uint32_t& one) { one = label; });
-      return;
-    }
-    if constexpr (kEncodes) {
-      // Later voxels are unknown while earlier ones are coded.
-      LabelWindow truth = window;
-      window.each([](std::uint32_t& one) { one = kUnknown; });
-      const std::uint32_t* from = truth.labels.data();
-      window.each([&](std::uint32_t& one) { one = voxel(&one, from[&one - window.labels.data()]); });
-    } else {
-      window.each([](std::uint32_t& one) { one = kUnknown; });
-      window.each([&](std::uint32_t& one) { one = voxel(&one, 0); });
-    }
+  void start(std::uint64_t first) {
+    first_ = first;
+    kept_.clear();
+  }
+  /// Adds the cube of a code, which must be higher than those before. Returns the number of cubes before.
+  std::size_t add(std::uint64_t code, bool kept) {
+    const std::size_t before = kept_.size();
+    kept_.resize(static_cast<std::size_t>(code - first_), false);
+    kept_.push_back(kept);
+    return before;
+  }
+  /// Drops the cubes after the first ones.
+  void cut(std::size_t count) { kept_.resize(count); }
+  /// Reports whether a cube of the run is kept.
+  [[nodiscard]] bool has(std::uint64_t code) const {
+    return code - first_ < kept_.size() && kept_[static_cast<std::size_t>(code - first_)];
   }
 
  private:
-  static constexpr bool kEncodes = std::is_same_v<Coder, BinaryEncoder>;
-
-  // Visits the labels next to the cube, towards lower places on an axis.
-  template <class Visit>
-  static void each_beside(const LabelWindow& window, std::size_t axis, Visit&& visit) {
-    constexpr std::array<std::size_t, 3> kSteps{1, kRow, kSlice};
-    const std::size_t u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
-    const std::size_t start = LabelWindow::at(0, 0, 0) - kSteps[axis];
-    for (std::size_t j = 0; j < window.size[v]; ++j)
-      for (std::size_t i = 0; i < window.size[u]; ++i) visit(window.labels[start + i * kSteps[u] + j * kSteps[v]]);
-  }
-
-  bool code(Estimate& model, bool bit) {
-    if constexpr (kEncodes)
-      coder_.put(model.probability(), bit);
-    else
-      bit = coder_.get(model.probability());
-    model.learn(bit);
-    return bit;
-  }
-
-  std::uint32_t voxel(const std::uint32_t* here, std::uint32_t truth) {
-    const LabelVotes votes = votes_around(here);
-    if (votes.first == kUnknown) return explicit_label(truth, kUnknown, kUnknown);
-    std::size_t context = 0;
-    for (std::size_t i = 0; i < kContextNeighbours; ++i)
-      context |= std::size_t{here[kNeighbours[i].offset] == votes.first} << i;
-    Estimate& model = models_.first[context];
-    if (model.seen == 0) {
-      const std::uint32_t others = votes.all - votes.first_votes;
-      model.start(std::max(30000u, 60000u - std::min(2500 * others, 60000u)));
-    }
-    if (code(model, truth == votes.first)) return votes.first;
-    if (count_ == 2) return 1 - std::min(votes.first, 1u);
-    if (votes.second != kUnknown && code(models_.second[std::min(votes.second_votes, 15u)], truth == votes.second))
-      return votes.second;
-    return explicit_label(truth, votes.first, votes.second);
-  }
-
-  // Codes a label that is neither of two others.
-  std::uint32_t explicit_label(std::uint32_t truth, std::uint32_t first, std::uint32_t second) {
-    std::size_t searched = 0;
-    for (std::size_t i = 0; i < models_.recent_count && searched < kSearched; ++i) {
-      const std::uint32_t label = models_.recent[i];
-      if (label == first || label == second) continue;
-      if (code(models_.again[searched++], truth == label)) {
-        models_.remember(label);
-        return label;
-      }
-    }
-    const int bits = static_cast<int>(std::bit_width(count_ - 1));
-    if constexpr (kEncodes)
-      coder_.put_bits(truth, bits);
-    else
-      truth = std::min(coder_.get_bits(bits), count_ - 1);
-    models_.remember(truth);
-    return truth;
-  }
-
-  Coder& coder_;
-  LabelModels& models_;
-  const std::uint32_t count_;
+  std::uint64_t first_ = 0;
+  std::vector<bool> kept_;
 };
 
-/// Copies labels between a level and windows. `Grid` is LabelGrid, or const.
-template <class Grid>
+/// Cubes of a run that is decoded. A cube with one label takes 8 bytes.
+class RunCubes final : public LabelCubes {
+ public:
+  RunCubes(const LabelRun& run, const CubeOrder& order, const Extent& extent)
+      : order_(order), extent_(extent), first_(run.first) {}
+
+  [[nodiscard]] const Extent& extent() const override { return extent_; }
+  /// `cube` must have been added.
+  [[nodiscard]] CubeLabels cube(const Extent& cube) override {
+    const Cube& one = cubes_[static_cast<std::size_t>(order_.code(cube) - first_)];
+    if (one.mixed) return {&mixed_[std::size_t{one.label} * kCubeSize], kCubeEdge, kCubeEdge * kCubeEdge};
+    equal_.fill(one.label);
+    return {equal_.data(), 0, 0};
+  }
+  /// Adds the cube of a code, which must be higher than those before.
+  void add(std::uint64_t code, LabelWindow& window) {
+    cubes_.resize(static_cast<std::size_t>(code - first_));
+    if (window.is_uniform()) {
+      cubes_.push_back({window.labels[LabelWindow::at(0, 0, 0)], false});
+      return;
+    }
+    cubes_.push_back({static_cast<std::uint32_t>(mixed_.size() / kCubeSize), true});
+    const std::size_t at = mixed_.size();
+    mixed_.resize(at + kCubeSize);
+    for (std::uint32_t z = 0; z < window.size[2]; ++z)
+      for (std::uint32_t y = 0; y < window.size[1]; ++y)
+        std::copy_n(&window.labels[LabelWindow::at(0, y, z)], window.size[0],
+                    &mixed_[at + (z * kCubeEdge + y) * kCubeEdge]);
+  }
+
+ private:
+  struct Cube {
+    std::uint32_t label = 0;  // or the number of the cube in mixed_
+    bool mixed = false;
+  };
+  const CubeOrder& order_;
+  const Extent extent_;
+  const std::uint64_t first_;
+  std::vector<Cube> cubes_;  // by code
+  std::vector<std::uint32_t> mixed_;
+  std::array<std::uint32_t, kCubeEdge> equal_{};
+};
+
+/// Copies labels of a level to windows.
 class WindowFrame {
  public:
-  WindowFrame(const CubeOrder& order, Grid& grid) : order_(order), grid_(grid) {}
+  WindowFrame(const CubeOrder& order, LabelCubes& level) : order_(order), level_(level) {}
+
+  /// Cubes that are kept; they count as unknown.
+  [[nodiscard]] KeptCubes& kept() { return kept_; }
+  /// Calls visit(known, same) with the cubes before a cube along the axes: those in the run, and those that are kept.
+  template <class Visit>
+  auto with_context(const Extent& cube, std::uint64_t first, std::uint64_t code, Visit&& visit) const {
+    std::size_t known = 0, same = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (cube[a] == 0) continue;
+      Extent beside = cube;
+      --beside[a];
+      const std::uint64_t of = order_.code(beside);
+      if (of < first || of >= code) continue;
+      ++known;
+      same += kept_.has(of) ? 1 : 0;
+    }
+    return visit(known, same);
+  }
 
   /// Moves to a cube of a run with the codes from `first` to `code`. The window gets the labels around it that the run
   /// has before it.
   void move(const Extent& cube, std::uint64_t first, std::uint64_t code, LabelWindow& window) {
-    for (std::size_t a = 0; a < 3; ++a) {
-      first_[a] = cube[a] * kCubeEdge;
-      window.size[a] = std::min(kCubeEdge, grid_.extent[a] - first_[a]);
-    }
-    window.labels.fill(kUnknown);
+    for (std::size_t a = 0; a < 3; ++a) window.size[a] = std::min(kCubeEdge, level_.extent()[a] - cube[a] * kCubeEdge);
+    window.labels.fill(kUnknownLabel);
     std::array<std::array<std::uint64_t, 3>, 3> parts{};
     std::array<std::array<bool, 3>, 3> there{};
     for (std::size_t a = 0; a < 3; ++a)
@@ -255,51 +132,48 @@ class WindowFrame {
         for (std::uint32_t i = 0; i < 3; ++i) {
           if (!there[0][i] || !there[1][j] || !there[2][k]) continue;
           const std::uint64_t of = parts[0][i] | parts[1][j] | parts[2][k];
-          if (of >= first && of < code) copy_beside({i, j, k}, window);
+          if (of >= first && of < code && !kept_.has(of))
+            copy_beside({i, j, k}, level_.cube({cube[0] + i - 1, cube[1] + j - 1, cube[2] + k - 1}), window);
         }
   }
-  /// Copies the labels of the cube to the window, or back.
-  void load(LabelWindow& window) const {
-    each_row(window, [](std::uint32_t* in_window, const std::uint32_t* in_grid, std::uint32_t count) {
-      std::copy_n(in_grid, count, in_window);
-    });
-  }
-  void store(LabelWindow& window) {
-    each_row(window, [](std::uint32_t* in_window, std::uint32_t* in_grid, std::uint32_t count) {
-      std::copy_n(in_window, count, in_grid);
-    });
+  /// Copies the labels of the cube to the window.
+  static void load(const CubeLabels& from, LabelWindow& window) {
+    for (std::uint32_t z = 0; z < window.size[2]; ++z)
+      for (std::uint32_t y = 0; y < window.size[1]; ++y)
+        std::copy_n(from.labels + z * from.slice + y * from.row, window.size[0],
+                    &window.labels[LabelWindow::at(0, y, z)]);
   }
 
  private:
-  [[nodiscard]] std::size_t place(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
-    return (std::size_t{z} * grid_.extent[1] + y) * grid_.extent[0] + x;
-  }
-  template <class Visit>
-  void each_row(LabelWindow& window, Visit&& visit) const {
-    for (std::uint32_t z = 0; z < window.size[2]; ++z)
-      for (std::uint32_t y = 0; y < window.size[1]; ++y)
-        visit(&window.labels[LabelWindow::at(0, y, z)], &grid_.labels[place(first_[0], first_[1] + y, first_[2] + z)],
-              window.size[0]);
-  }
   // Copies the labels of a neighbour cube next to the cube: at 0, 1 or 2 on each axis, where 1 is its own place.
-  void copy_beside(const Extent& side, LabelWindow& window) const {
-    Extent from{}, to{};
+  static void copy_beside(const Extent& side, const CubeLabels& from, LabelWindow& window) {
+    Extent source{}, target{}, size{};
     for (std::size_t a = 0; a < 3; ++a) {
       // In the window, the cube itself is from 1 on.
-      from[a] = side[a] == 0 ? 0 : side[a] == 1 ? 1 : kCubeEdge + 1;
-      to[a] = side[a] == 1 ? 1 + window.size[a] : from[a] + 1;
+      source[a] = side[a] == 0 ? kCubeEdge - 1 : 0;
+      target[a] = side[a] == 0 ? 0 : side[a] == 1 ? 1 : kCubeEdge + 1;
+      size[a] = side[a] == 1 ? window.size[a] : 1;
     }
-    for (std::uint32_t z = from[2]; z < to[2]; ++z)
-      for (std::uint32_t y = from[1]; y < to[1]; ++y)
-        for (std::uint32_t x = from[0]; x < to[0]; ++x)
-          window.labels[(z * kEdge + y) * kEdge + x] =
-              grid_.labels[place(first_[0] + x - 1, first_[1] + y - 1, first_[2] + z - 1)];
+    for (std::uint32_t z = 0; z < size[2]; ++z)
+      for (std::uint32_t y = 0; y < size[1]; ++y)
+        std::copy_n(from.labels + (source[2] + z) * from.slice + (source[1] + y) * from.row + source[0], size[0],
+                    &window.labels[((target[2] + z) * kWindowEdge + target[1] + y) * kWindowEdge + target[0]]);
   }
 
   const CubeOrder& order_;
-  Grid& grid_;
-  Extent first_{};
+  LabelCubes& level_;
+  KeptCubes kept_;
 };
+
+/// Reports whether two cubes have the same labels.
+bool equal_cubes(const CubeLabels& a, const CubeLabels& b, const Extent& size) {
+  for (std::uint32_t z = 0; z < size[2]; ++z)
+    for (std::uint32_t y = 0; y < size[1]; ++y)
+      if (!std::equal(a.labels + z * a.slice + y * a.row, a.labels + z * a.slice + y * a.row + size[0],
+                      b.labels + z * b.slice + y * b.row))
+        return false;
+  return true;
+}
 
 /// Run that an encoder fills.
 struct OpenLabelRun {
@@ -312,7 +186,7 @@ struct OpenLabelRun {
 
 std::vector<std::byte> pack(const LabelRun& run) {
   std::vector<std::byte> out;
-  out.push_back(static_cast<std::byte>(run.level));
+  out.push_back(static_cast<std::byte>(run.level | (run.differs ? kMayKeep : 0)));
   put_number(out, run.first);
   put_number(out, run.count);
   out.insert(out.end(), run.bytes.begin(), run.bytes.end());
@@ -322,7 +196,8 @@ std::vector<std::byte> pack(const LabelRun& run) {
 std::optional<LabelRun> parse_label_run(std::span<const std::byte> payload) {
   if (payload.empty() || payload.size() > kMaxClusterBytes) return std::nullopt;
   LabelRun run;
-  run.level = std::to_integer<std::uint8_t>(payload.front());
+  run.level = std::to_integer<std::uint8_t>(payload.front()) & static_cast<std::uint8_t>(~kMayKeep);
+  run.differs = (std::to_integer<std::uint8_t>(payload.front()) & kMayKeep) != 0;
   payload = payload.subspan(1);
   const auto first = take_wide_number(payload), count = take_wide_number(payload);
   if (!first || !count || *count == 0 || *count > kMostRunCubes) return std::nullopt;
@@ -332,62 +207,105 @@ std::optional<LabelRun> parse_label_run(std::span<const std::byte> payload) {
   return run;
 }
 
-void encode_label_runs(const LabelGrid& grid, const CubeOrder& order, std::uint32_t count, int level,
-                       const std::function<void(LabelRun&&)>& take) {
-  WindowFrame<const LabelGrid> frame(order, grid);
+std::uint64_t take_step(LabelRun& run, std::uint64_t codes) {
+  const std::uint64_t step = run.first / codes;
+  run.first %= codes;
+  return step;
+}
+
+void encode_label_runs(LabelCubes& level_labels, const CubeOrder& order, std::uint32_t count, int level,
+                       const std::function<bool(LabelRun&&)>& take, LabelCubes* before) {
+  WindowFrame frame(order, level_labels);
   LabelWindow window;
-  OpenLabelRun open, before;
+  OpenLabelRun open, saved;
+  bool any = false;  // a cube of the run is not kept
   const auto begin = [&](std::uint64_t code) {
     open = {};
     open.run.level = static_cast<std::uint8_t>(level);
     open.run.first = code;
+    open.run.differs = before != nullptr;
+    frame.kept().start(code);
+    any = false;
   };
   const auto close = [&] {
+    if (!any) return true;
     open.run.bytes = open.encoder.finish();
-    take(std::move(open.run));
+    return take(std::move(open.run));
   };
-  const auto add = [&](std::uint64_t code, const Extent& cube) {
-    frame.move(cube, open.run.first, code, window);
-    frame.load(window);
+  const auto is_kept = [&](const Extent& cube) {
+    if (!before) return false;
+    Extent size{};
+    for (std::size_t a = 0; a < 3; ++a) size[a] = std::min(kCubeEdge, level_labels.extent()[a] - cube[a] * kCubeEdge);
+    return equal_cubes(level_labels.cube(cube), before->cube(cube), size);
+  };
+  const auto add = [&](std::uint64_t code, const Extent& cube, bool kept) {
+    if (!kept) {
+      frame.move(cube, open.run.first, code, window);
+      WindowFrame::load(level_labels.cube(cube), window);
+    }
     const std::size_t size = open.encoder.size();
-    const bool careful = size >= kCarefulBytes || (size >= kMixedBytes && !window.is_uniform());
-    if (careful) before = open;
-    LabelCoder<BinaryEncoder>(open.encoder, open.models, count).cube(window);
+    const bool careful = size >= kCarefulBytes || (size >= kMixedBytes && !kept && !window.is_uniform());
+    if (careful) saved = open;
+    LabelCoder<BinaryEncoder> coder(open.encoder, open.models, count);
+    if (before) {
+      frame.with_context(cube, open.run.first, code,
+                         [&](std::size_t known, std::size_t same) { return coder.kept(known, same, kept); });
+      const std::size_t cubes = frame.kept().add(code, kept);
+      if (!kept) coder.cube(window);
+      if (careful && open.encoder.size() > kMostRunBytes) frame.kept().cut(cubes);
+    } else {
+      coder.cube(window);
+    }
     open.run.count = static_cast<std::uint32_t>(code - open.run.first + 1);
-    return !careful || open.encoder.size() <= kMostRunBytes;
+    const bool fits = !careful || open.encoder.size() <= kMostRunBytes;
+    any = any || (fits && !kept);
+    return fits;
   };
   begin(0);
   for (std::uint64_t code = 0; code < order.codes(); ++code) {
     const Extent cube = order.place(code);
     if (!order.has(cube)) continue;
+    const bool kept = is_kept(cube);
+    // A run begins with a cube that is not kept.
+    if (kept && !any) continue;
+    if (!any && before) begin(code);
     if (code - open.run.first >= kMostRunCubes) {
-      close();
+      if (!close()) return;
       begin(code);
+      if (kept) continue;
     }
-    if (add(code, cube)) continue;
-    open = before;
-    close();
+    if (add(code, cube, kept)) continue;
+    open = saved;
+    if (!close()) return;
     begin(code);
-    (void)add(code, cube);
+    if (!kept) (void)add(code, cube, kept);
   }
-  close();
+  (void)close();
 }
 
-bool decode_label_run(const LabelRun& run, const CubeOrder& order, std::uint32_t count, LabelGrid& grid,
-                      const std::function<void(const Extent& cube)>& decoded) {
+bool decode_label_run(const LabelRun& run, const CubeOrder& order, const Extent& extent, std::uint32_t count,
+                      const std::function<void(const Extent& cube, const CubeLabels& labels)>& decoded) {
   if (run.first >= order.codes() || run.count > order.codes() - run.first || count == 0) return false;
-  WindowFrame<LabelGrid> frame(order, grid);
+  RunCubes cubes(run, order, extent);
+  WindowFrame frame(order, cubes);
   LabelWindow window;
   LabelModels models;
+  frame.kept().start(run.first);
   BinaryDecoder decoder(run.bytes);
   LabelCoder<BinaryDecoder> coder(decoder, models, count);
   for (std::uint64_t code = run.first; code < run.first + run.count && !decoder.exhausted(); ++code) {
     const Extent cube = order.place(code);
     if (!order.has(cube)) continue;
+    if (run.differs) {
+      const bool kept = frame.with_context(
+          cube, run.first, code, [&](std::size_t known, std::size_t same) { return coder.kept(known, same, false); });
+      frame.kept().add(code, kept);
+      if (kept) continue;
+    }
     frame.move(cube, run.first, code, window);
     coder.cube(window);
-    frame.store(window);
-    decoded(cube);
+    cubes.add(code, window);
+    decoded(cube, cubes.cube(cube));
   }
   return !decoder.exhausted();
 }

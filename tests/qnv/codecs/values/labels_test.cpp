@@ -394,6 +394,67 @@ TEST_CASE("labels: Headers with invalid palettes and grids are rejected") {
   CHECK_FALSE(decode_label_palette(beyond));
 }
 
+/// Store that fails after some bytes.
+class FullStore final : public SpillStore {
+ public:
+  explicit FullStore(std::uint64_t most) : most_(most) {}
+  bool append(std::span<const std::byte> bytes) override {
+    return memory_.size() + bytes.size() <= most_ && memory_.append(bytes);
+  }
+  [[nodiscard]] std::uint64_t size() const override { return memory_.size(); }
+  bool read(std::uint64_t offset, std::span<std::byte> to) const override { return memory_.read(offset, to); }
+  [[nodiscard]] std::string problem() const override { return "the disk is full"; }
+
+ private:
+  MemoryStore memory_;
+  std::uint64_t most_;
+};
+
+TEST_CASE("labels: Volumes of several tiles have the same bytes with any threads and store") {
+  const VolumeSource source = organs<std::uint16_t>(oblique(150, 70, 67), VoxelType::u16, 7);
+  EncodeOptions options;
+  options.threads = 1;
+  const EncodedStream stream = stream_of(source, options);
+  FullStore store(std::uint64_t{1} << 30);
+  options.spill = &store;
+  options.threads = 3;
+  CHECK(stream_of(source, options).bytes == stream.bytes);
+  CHECK(store.size() > 0);
+  for (const std::uint64_t most : {std::uint64_t{0}, store.size() / 3, store.size() - 1}) {
+    FullStore full(most);
+    options.spill = &full;
+    const auto encoded = encode_labels(source, options);
+    REQUIRE(std::holds_alternative<EncodeError>(encoded));
+    CHECK(std::get<EncodeError>(encoded).message.find("the disk is full") != std::string::npos);
+  }
+}
+
+TEST_CASE("labels: Slices have the finest received labels") {
+  const VolumeSource source = organs<std::uint16_t>(oblique(150, 70, 67), VoxelType::u16, 7);
+  const EncodedStream stream = stream_of(source);
+  const auto all = test::slices_of(stream.bytes);
+  CHECK(all->exact);
+  CHECK(all->wrong == 0.0f);
+  CHECK(numbers_in(all->source) == numbers_in(source));
+  for (const std::size_t part : {8u, 3u, 2u}) {
+    INFO(part);
+    const std::vector<std::byte> cut(stream.bytes.begin(),
+                                     stream.bytes.begin() + static_cast<std::ptrdiff_t>(stream.bytes.size() / part));
+    const Shown shown(cut);
+    const auto slices = test::slices_of(cut);
+    CHECK_FALSE(slices->exact);
+    REQUIRE(shown.values->level == 0);
+    CHECK(numbers_in(slices->source) == numbers_in(shown.values->source));
+  }
+  // Slices in any order are the same.
+  std::vector<std::byte> last(slice_voxels(all->source.layout) * 4), again(last.size());
+  CHECK(all->source.read(66, last));
+  CHECK(all->source.read(0, again));
+  CHECK(all->source.read(66, again));
+  CHECK(last == again);
+  CHECK_FALSE(all->source.read(67, again));
+}
+
 TEST_CASE("labels: refuses numbers with a fraction") {
   const auto encoded = encode_labels(organs<float>(oblique(9, 9, 9), VoxelType::f32, 0.3), {});
   REQUIRE(std::holds_alternative<EncodeError>(encoded));

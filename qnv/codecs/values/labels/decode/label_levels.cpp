@@ -3,6 +3,7 @@
 #include "qnv/codecs/values/cube_runs.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace gs::qnv::values {
 
@@ -40,16 +41,31 @@ AddedLabels LabelLevels::add(const LabelRun& run) {
   level.work += run.count;
   if (level.received.empty()) {
     level.received.assign(level.cubes, false);
-    level.grid = {level.extent, std::vector<std::uint32_t>(sample_count(level.extent), 0)};
+    level.grid =
+        std::make_shared<LabelGrid>(LabelGrid{level.extent, std::vector<std::uint32_t>(sample_count(level.extent), 0)});
   }
+  // Labels that were returned never change.
+  if (level.grid.use_count() > 1) level.grid = std::make_shared<LabelGrid>(*level.grid);
   const std::uint64_t before = level.known;
-  const bool good = decode_label_run(run, *level.order, count_, level.grid, [&](const Extent& cube) {
-    const std::size_t at = number(level, cube);
-    level.known += level.received[at] ? 0 : 1;
-    level.received[at] = true;
-  });
+  const auto [nx, ny, nz] = level.extent;
+  const bool good =
+      decode_label_run(run, *level.order, level.extent, count_,
+                       [&, nx = nx, ny = ny, nz = nz](const Extent& cube, const CubeLabels& labels) {
+                         const std::uint32_t x = cube[0] * kCubeEdge, y = cube[1] * kCubeEdge, z = cube[2] * kCubeEdge;
+                         for (std::uint32_t k = 0; k < std::min(kCubeEdge, nz - z); ++k)
+                           for (std::uint32_t j = 0; j < std::min(kCubeEdge, ny - y); ++j)
+                             std::copy_n(labels.labels + k * labels.slice + j * labels.row, std::min(kCubeEdge, nx - x),
+                                         &level.grid->labels[((std::size_t{z} + k) * ny + y + j) * nx + x]);
+                         const std::size_t at = number(level, cube);
+                         level.known += level.received[at] ? 0 : 1;
+                         level.received[at] = true;
+                       });
   if (!good) return AddedLabels::refused;
   return level.known > before ? AddedLabels::taken : AddedLabels::repeated;
+}
+
+void LabelLevels::begin_step() {
+  for (Level& level : all_) level.work = 0;
 }
 
 int LabelLevels::level() const {
@@ -74,7 +90,7 @@ void LabelLevels::refine(const LabelGrid& coarse, LabelGrid& fine) {
 
 void LabelLevels::copy_received(const Level& level, LabelGrid& to) {
   if (level.known == level.cubes) {
-    to.labels = level.grid.labels;
+    to.labels = level.grid->labels;
     return;
   }
   if (level.known == 0) return;
@@ -85,18 +101,19 @@ void LabelLevels::copy_received(const Level& level, LabelGrid& to) {
       for (std::uint32_t cube = 0; cube < cubes[0]; ++cube) {
         if (!level.received[number(level, {cube, y / kCubeEdge, z / kCubeEdge})]) continue;
         const std::size_t at = (std::size_t{z} * ny + y) * nx + std::size_t{cube} * kCubeEdge;
-        std::copy_n(level.grid.labels.begin() + static_cast<std::ptrdiff_t>(at),
+        std::copy_n(level.grid->labels.begin() + static_cast<std::ptrdiff_t>(at),
                     std::min(kCubeEdge, nx - cube * kCubeEdge), to.labels.begin() + static_cast<std::ptrdiff_t>(at));
       }
 }
 
-LabelGrid LabelLevels::labels(int level, std::uint32_t none) const {
+std::shared_ptr<const LabelGrid> LabelLevels::labels(int level, std::uint32_t none) const {
   level = std::clamp(level, 0, levels());
   // Levels above the coarsest whole one do not matter.
   int from = level;
   while (from < levels() && all_[static_cast<std::size_t>(from)].known < all_[static_cast<std::size_t>(from)].cubes)
     ++from;
   const Level& top = all_[static_cast<std::size_t>(from)];
+  if (from == level && top.known == top.cubes) return top.grid;
   LabelGrid grid{top.extent, std::vector<std::uint32_t>(sample_count(top.extent), none)};
   copy_received(top, grid);
   for (int i = from - 1; i >= level; --i) {
@@ -106,7 +123,7 @@ LabelGrid LabelLevels::labels(int level, std::uint32_t none) const {
     copy_received(one, fine);
     grid = std::move(fine);
   }
-  return grid;
+  return std::make_shared<const LabelGrid>(std::move(grid));
 }
 
 }  // namespace gs::qnv::values

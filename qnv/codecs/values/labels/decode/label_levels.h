@@ -3,6 +3,7 @@
 #include "qnv/codecs/values/labels/label_runs.h"
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -19,13 +20,16 @@ class LabelLevels {
   LabelLevels(Extent extent, std::uint32_t count, int finest);
 
   AddedLabels add(const LabelRun& run);
+  /// Begins the next step of a time series. Cubes keep their labels until a run of the step has them.
+  void begin_step();
   [[nodiscard]] int levels() const { return static_cast<int>(all_.size()) - 1; }
   /// Returns the level to show: the finest one that is small or has a share of its cubes.
   [[nodiscard]] int level() const;
   /// Reports whether all labels of the volume were received.
   [[nodiscard]] bool is_whole() const { return all_.front().known == all_.front().cubes; }
-  /// Returns the labels of a level. Where they are missing, coarser ones replace them; `none` replaces the coarsest.
-  [[nodiscard]] LabelGrid labels(int level, std::uint32_t none) const;
+  /// Returns the labels of a level, which never change. Where they are missing, coarser ones replace them; `none`
+  /// replaces the coarsest. A whole level is shared, not copied.
+  [[nodiscard]] std::shared_ptr<const LabelGrid> labels(int level, std::uint32_t none) const;
 
  private:
   struct Level {
@@ -33,8 +37,8 @@ class LabelLevels {
     std::uint64_t cubes = 0, known = 0;  // number of all cubes, and of the received ones
     std::uint64_t work = 0;              // codes of all decoded runs
     std::optional<CubeOrder> order;      // set with the first run
-    LabelGrid grid;
-    std::vector<bool> received;  // by cube, x first
+    std::shared_ptr<LabelGrid> grid;     // null before the first run
+    std::vector<bool> received;          // by cube, x first
   };
   /// Returns the index of a cube in Level::received.
   static std::size_t number(const Level& level, const Extent& cube);

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstring>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -120,35 +121,209 @@ std::uint32_t frequent(std::span<const std::uint32_t> labels, std::span<const st
   return best;
 }
 
-LabelGrid coarser(const LabelGrid& fine, std::span<const std::uint64_t> counts, unsigned threads) {
-  LabelGrid grid;
-  grid.extent = low_extent(fine.extent, 1);
-  grid.labels.resize(sample_count(grid.extent));
-  const auto [nx, ny, nz] = fine.extent;
-  const auto halve_slice = [&, nx = nx, ny = ny, nz = nz](std::size_t z) {
-    std::uint32_t* to = &grid.labels[z * grid.extent[0] * grid.extent[1]];
+/// Makes a level from the next finer one, piece by piece.
+class LevelHalving {
+ public:
+  LevelHalving(const StoredLabels& fine, std::span<const std::uint64_t> counts) : fine_(fine), counts_(counts) {}
+
+  /// Returns a piece of the coarser level. Any thread.
+  [[nodiscard]] StoredLabels::Packed piece(const Extent& at) const {
+    Extent first{}, last{};  // pieces of the finer level
+    for (std::size_t a = 0; a < 3; ++a) {
+      first[a] = 2 * at[a];
+      last[a] = std::min(first[a] + 2, fine_.pieces()[a]);
+    }
+    if (const auto label = common(first, last)) return {{}, *label};
+    thread_local std::vector<std::uint32_t> box, part;
+    constexpr Extent kPiece{kTileEdge, kTileEdge, StoredLabels::kDepth};
+    Extent size{};
+    for (std::size_t a = 0; a < 3; ++a) size[a] = std::min(2 * kPiece[a], fine_.extent()[a] - first[a] * kPiece[a]);
+    box.resize(sample_count(size));
+    each(first, last, [&](const Extent& one) {
+      const Extent its = fine_.size_of(one);
+      part.resize(sample_count(its));
+      (void)fine_.read(one, part);
+      for (std::uint32_t z = 0; z < its[2]; ++z)
+        for (std::uint32_t y = 0; y < its[1]; ++y)
+          std::copy_n(&part[(std::size_t{z} * its[1] + y) * its[0]], its[0],
+                      &box[((std::size_t{(one[2] - first[2]) * kPiece[2]} + z) * size[1] +
+                            (one[1] - first[1]) * kPiece[1] + y) *
+                               size[0] +
+                           (one[0] - first[0]) * kPiece[0]]);
+      return true;
+    });
+    return StoredLabels::pack(halve(box, size));
+  }
+
+ private:
+  template <class Visit>
+  static bool each(const Extent& first, const Extent& last, Visit&& visit) {
+    for (std::uint32_t z = first[2]; z < last[2]; ++z)
+      for (std::uint32_t y = first[1]; y < last[1]; ++y)
+        for (std::uint32_t x = first[0]; x < last[0]; ++x)
+          if (!visit(Extent{x, y, z})) return false;
+    return true;
+  }
+  // Returns the label that all voxels of some pieces have.
+  [[nodiscard]] std::optional<std::uint32_t> common(const Extent& first, const Extent& last) const {
+    const auto label = fine_.uniform(first);
+    const bool equal = label && each(first, last, [&](const Extent& one) { return fine_.uniform(one) == label; });
+    return equal ? label : std::nullopt;
+  }
+  [[nodiscard]] std::vector<std::uint32_t> halve(std::span<const std::uint32_t> fine, const Extent& size) const {
+    const Extent to = low_extent(size, 1);
+    std::vector<std::uint32_t> made;
+    made.reserve(sample_count(to));
     std::array<std::uint32_t, 8> labels;
-    for (std::uint32_t y = 0; y < grid.extent[1]; ++y)
-      for (std::uint32_t x = 0; x < grid.extent[0]; ++x) {
-        std::size_t count = 0;
-        bool equal = true;
-        for (std::size_t k = 2 * z; k < std::min<std::size_t>(2 * z + 2, nz); ++k)
-          for (std::size_t j = 2 * y; j < std::min(2 * y + 2, ny); ++j)
-            for (std::size_t i = 2 * x; i < std::min(2 * x + 2, nx); ++i) {
-              labels[count] = fine.labels[(k * ny + j) * nx + i];
-              equal = equal && labels[count++] == labels[0];
-            }
-        *to++ = equal ? labels[0] : frequent(std::span(labels).first(count), counts);
+    for (std::uint32_t z = 0; z < to[2]; ++z)
+      for (std::uint32_t y = 0; y < to[1]; ++y)
+        for (std::uint32_t x = 0; x < to[0]; ++x) {
+          std::size_t count = 0;
+          bool equal = true;
+          for (std::uint32_t k = 2 * z; k < std::min(2 * z + 2, size[2]); ++k)
+            for (std::uint32_t j = 2 * y; j < std::min(2 * y + 2, size[1]); ++j)
+              for (std::uint32_t i = 2 * x; i < std::min(2 * x + 2, size[0]); ++i) {
+                labels[count] = fine[(std::size_t{k} * size[1] + j) * size[0] + i];
+                equal = equal && labels[count++] == labels[0];
+              }
+          made.push_back(equal ? labels[0] : frequent(std::span(labels).first(count), counts_));
+        }
+    return made;
+  }
+
+  const StoredLabels& fine_;
+  std::span<const std::uint64_t> counts_;
+};
+
+/// Reader of all steps into a store.
+class PyramidReader {
+ public:
+  PyramidReader(std::span<const VolumeSource> steps, SharedStore& store, unsigned threads, Progress* progress)
+      : sources_(steps), store_(store), threads_(threads), progress_(progress), set_(steps.front().layout.type) {}
+
+  std::variant<LabelPyramid, EncodeError> read() {
+    const VolumeLayout& layout = sources_.front().layout;
+    start("reading", std::uint64_t{layout.dimensions[2]} * sources_.size());
+    CodeReader reader(layout);
+    for (const VolumeSource& source : sources_) {
+      if (source.layout.dimensions != layout.dimensions || source.layout.type != layout.type)
+        return EncodeError{"the steps of a series of labels have different sizes or types; expected equal ones"};
+      if (auto problem = store_codes(source, reader)) return std::move(*problem);
+    }
+    made_.stored = reader.type();
+    made_.palette = std::make_shared<const LabelPalette>(set_.take(layout.type));
+    if (made_.palette->groups() > LabelPalette::kMostGroups ||
+        encode_label_palette(*made_.palette).size() > LabelPalette::kMostBytes)
+      return EncodeError{"the volume has " + std::to_string(made_.palette->size()) +
+                         " different labels far apart; expected at most 100,000 of them"};
+    count();
+    start("reducing", static_cast<std::uint64_t>(level_count(layout.dimensions)) * sources_.size());
+    for (LabelPyramid::Levels& levels : made_.steps)
+      for (int level = level_count(layout.dimensions); level > 0; --level) {
+        if (!reduce(levels)) return EncodeError{"cancelled"};
+        if (progress_) ++progress_->done;
       }
-  };
-  parallel_for(grid.extent[2], halve_slice, threads);
-  return grid;
-}
+    if (store_.failed()) return EncodeError{"cannot keep the labels: " + store_.problem()};
+    return std::move(made_);
+  }
+
+ private:
+  void start(const char* stage, std::uint64_t total) const {
+    if (!progress_) return;
+    progress_->stage = stage;
+    progress_->done = 0;
+    progress_->total = total;
+  }
+
+  // Packs the pieces of a layer in several threads, then stores them in order.
+  template <class Pack>
+  void store_layer(StoredLabels& level, const Pack& pack) {
+    const std::size_t nx = level.pieces()[0], count = nx * level.pieces()[1];
+    std::vector<StoredLabels::Packed> packed(count);
+    parallel_for(
+        count,
+        [&](std::size_t i) {
+          packed[i] = pack(static_cast<std::uint32_t>(i % nx), static_cast<std::uint32_t>(i / nx));
+        },
+        count < 16 ? 1 : threads_);
+    for (const StoredLabels::Packed& piece : packed) (void)level.append(piece);
+  }
+
+  std::optional<EncodeError> store_codes(const VolumeSource& source, CodeReader& reader) {
+    const VolumeLayout& layout = source.layout;
+    const std::size_t slice = slice_voxels(layout);
+    std::vector<std::byte> stored(slice * size_of(layout.type));
+    std::vector<std::uint32_t> codes(slice * StoredLabels::kDepth);
+    StoredLabels& level = made_.steps.emplace_back().emplace_back(layout.dimensions, store_);
+    for (std::uint32_t z = 0; z < layout.dimensions[2]; ++z) {
+      if (is_cancelled(progress_)) return EncodeError{"cancelled"};
+      if (!source.read(z, stored)) return EncodeError{"slice " + std::to_string(z) + " of the volume cannot be read"};
+      const std::uint32_t in_layer = z % StoredLabels::kDepth;
+      const auto here = std::span(codes).subspan(in_layer * slice, slice);
+      if (!reader.read(stored, here))
+        return EncodeError{
+            "slice " + std::to_string(z) +
+            " of the label volume has numbers that are no labels; expected whole numbers from -2^31 to 2^32 - 1"};
+      set_.add(here);
+      if (progress_) ++progress_->done;
+      if (in_layer + 1 < StoredLabels::kDepth && z + 1 < layout.dimensions[2]) continue;
+      store_layer(level, [&](std::uint32_t x, std::uint32_t y) {
+        thread_local std::vector<std::uint32_t> part;
+        part.clear();
+        const Extent size = level.size_of({x, y, z / StoredLabels::kDepth});
+        for (std::uint32_t k = 0; k < size[2]; ++k)
+          for (std::uint32_t j = 0; j < size[1]; ++j) {
+            const auto row = codes.begin() + static_cast<std::ptrdiff_t>(
+                                                 k * slice + (std::size_t{y} * kTileEdge + j) * layout.dimensions[0] +
+                                                 std::size_t{x} * kTileEdge);
+            part.insert(part.end(), row, row + size[0]);
+          }
+        return StoredLabels::pack(part);
+      });
+      if (store_.failed()) return EncodeError{"cannot keep the labels: " + store_.problem()};
+    }
+    return std::nullopt;
+  }
+
+  // Counts the voxels of each label.
+  void count() {
+    made_.counts.assign(made_.palette->size(), 0);
+    for (LabelPyramid::Levels& levels : made_.steps) {
+      StoredLabels& level = levels.front();
+      level.set_palette(made_.palette);
+      const Extent pieces = level.pieces();
+      for (std::uint32_t z = 0; z < pieces[2]; ++z)
+        for (std::uint32_t y = 0; y < pieces[1]; ++y)
+          for (std::uint32_t x = 0; x < pieces[0]; ++x)
+            level.each_run({x, y, z}, [&](std::uint32_t label, std::size_t voxels) { made_.counts[label] += voxels; });
+    }
+  }
+
+  // Adds the next coarser level. Returns false if cancelled.
+  bool reduce(LabelPyramid::Levels& levels) {
+    const LevelHalving halving(levels.back(), made_.counts);
+    StoredLabels coarse(low_extent(levels.back().extent(), 1), store_);
+    for (std::uint32_t z = 0; z < coarse.pieces()[2]; ++z) {
+      if (is_cancelled(progress_)) return false;
+      store_layer(coarse, [&](std::uint32_t x, std::uint32_t y) { return halving.piece({x, y, z}); });
+    }
+    levels.push_back(std::move(coarse));
+    return true;
+  }
+
+  std::span<const VolumeSource> sources_;
+  SharedStore& store_;
+  unsigned threads_;
+  Progress* progress_;
+  CodeSet set_;
+  LabelPyramid made_;
+};
 
 }  // namespace
 
-std::variant<LabelPyramid, EncodeError> read_labels(const VolumeSource& source, unsigned threads, Progress* progress) {
-  const VolumeLayout& layout = source.layout;
+std::variant<LabelPyramid, EncodeError> read_labels(std::span<const VolumeSource> steps, SharedStore& store,
+                                                    unsigned threads, Progress* progress) {
+  const VolumeLayout& layout = steps.front().layout;
   if (const auto problem = check(layout)) return EncodeError{problem->message};
   const std::uint64_t voxels = voxel_count(layout);
   const std::uint32_t longest = *std::ranges::max_element(layout.dimensions);
@@ -156,49 +331,7 @@ std::variant<LabelPyramid, EncodeError> read_labels(const VolumeSource& source, 
     return EncodeError{"the label volume has " + std::to_string(voxels) + " voxels, " + std::to_string(longest) +
                        " along an axis; expected at most " + std::to_string(kMostSamples) + " and " +
                        std::to_string(kMaxLabelEdge)};
-  LabelPyramid made;
-  made.levels.push_back({layout.dimensions, {}});
-  std::vector<std::uint32_t>& all = made.levels.front().labels;
-  all.resize(voxels);
-  const std::size_t slice = slice_voxels(layout);
-  std::vector<std::byte> stored(slice * size_of(layout.type));
-  CodeReader reader(layout);
-  CodeSet set(layout.type);
-  if (progress) {
-    progress->stage = "reading";
-    progress->done = 0;
-    progress->total = layout.dimensions[2];
-  }
-  for (std::uint32_t z = 0; z < layout.dimensions[2]; ++z) {
-    if (is_cancelled(progress)) return EncodeError{"cancelled"};
-    if (!source.read(z, stored)) return EncodeError{"slice " + std::to_string(z) + " of the volume cannot be read"};
-    const auto codes = std::span(all).subspan(z * slice, slice);
-    if (!reader.read(stored, codes))
-      return EncodeError{
-          "slice " + std::to_string(z) +
-          " of the label volume has numbers that are no labels; expected whole numbers from -2^31 to 2^32 - 1"};
-    set.add(codes);
-    if (progress) progress->done = z + 1;
-  }
-  made.stored = reader.type();
-  made.palette = LabelPalette(set.take(layout.type));
-  if (made.palette.groups() > LabelPalette::kMostGroups ||
-      encode_label_palette(made.palette).size() > LabelPalette::kMostBytes)
-    return EncodeError{"the volume has " + std::to_string(made.palette.size()) +
-                       " different labels far apart; expected at most 100,000 of them"};
-  made.counts.assign(made.palette.size(), 0);
-  std::uint32_t code = made.palette.code(0), index = 0;
-  for (std::uint32_t& label : all) {
-    if (label != code) {
-      code = label;
-      index = made.palette.index(code).value_or(0);
-    }
-    label = index;
-    ++made.counts[index];
-  }
-  for (int level = level_count(layout.dimensions); level > 0; --level)
-    made.levels.push_back(coarser(made.levels.back(), made.counts, threads));
-  return made;
+  return PyramidReader(steps, store, threads, progress).read();
 }
 
 }  // namespace gs::qnv::values

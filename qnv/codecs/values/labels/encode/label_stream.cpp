@@ -2,6 +2,8 @@
 
 #include "qnv/codecs/values/encode/write_values.h"
 #include "qnv/codecs/values/labels/encode/label_pyramid.h"
+#include "qnv/codecs/values/labels/encode/label_uses.h"
+#include "qnv/codecs/values/labels/encode/stored_labels.h"
 #include "qnv/codecs/values/stored_code.h"
 #include "qnv/codecs/values/values_vectors.h"
 #include "qnv/sampling/volume/gradients.h"
@@ -15,6 +17,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -22,127 +25,131 @@ namespace gs::qnv {
 namespace {
 
 using values::Extent;
+using Runs = std::vector<values::StoredLabelRun>;
 
-/// Encoded run with its use.
-struct PackedLabels {
-  std::vector<std::byte> payload;
-  Extent first{}, last{};      // box in the voxels of the volume, `last` is excluded
-  std::int64_t corrected = 0;  // voxels that get their label; less those that lose it
-  std::uint8_t level = 0;
-};
-
-/// Encodes the runs of all levels.
+/// Encodes the runs of all levels of all steps.
 class PyramidEncoder {
  public:
-  PyramidEncoder(const values::LabelPyramid& pyramid, unsigned threads, Progress* progress)
-      : pyramid_(pyramid), threads_(threads), progress_(progress) {}
+  PyramidEncoder(const values::LabelPyramid& pyramid, values::SharedStore& store, unsigned threads, Progress* progress)
+      : pyramid_(pyramid), store_(store), threads_(threads), progress_(progress) {
+    for (const values::StoredLabels& level : pyramid.steps.front()) orders_.emplace_back(level.extent());
+    sums_.assign(orders_.size(), 0);
+  }
 
   /// Returns the runs in the order of the stream, or nothing if cancelled.
-  std::vector<PackedLabels> encode() {
-    const std::size_t levels = pyramid_.levels.size();
-    std::vector<std::vector<PackedLabels>> all(levels);
+  Runs encode() {
+    const std::size_t levels = orders_.size(), steps = pyramid_.steps.size();
     if (progress_) {
+      std::uint64_t codes = 0;
+      for (const values::CubeOrder& order : orders_) codes += order.codes();
       progress_->stage = "encoding";
       progress_->done = 0;
-      progress_->total = levels;
+      progress_->total = codes * steps;
     }
-    const bool whole = parallel_for(
-        levels,
-        [&](std::size_t level) {
-          all[level] = encode_level(level);
-          if (progress_) ++progress_->done;
-        },
-        threads_, progress_);
-    std::vector<PackedLabels> runs;
-    if (!whole) return runs;
+    std::vector<std::vector<Runs>> all(steps, std::vector<Runs>(levels));
+    const auto encode_one = [&](std::size_t i) { encode_level(i % steps, i / steps, all[i % steps][i / steps]); };
+    if (!parallel_for(levels * steps, encode_one, threads_, progress_)) return {};
+    for (std::size_t step = 0; step < steps; ++step)
+      if (!values::count_corrected(pyramid_.steps[step], orders_, all[step], sums_, threads_, progress_)) return {};
+    // Each level of all steps before the next finer one. Within a level, the runs that correct most voxels per byte.
+    Runs runs;
     for (std::size_t level = levels; level-- > 0;)
-      for (PackedLabels& run : all[level]) runs.push_back(std::move(run));
+      for (std::vector<Runs>& of_step : all) {
+        std::ranges::stable_sort(of_step[level], std::greater{}, [](const values::StoredLabelRun& run) {
+          return static_cast<double>(run.corrected) / static_cast<double>(run.bytes + kChunkHeaderBytes);
+        });
+        runs.insert(runs.end(), of_step[level].begin(), of_step[level].end());
+      }
     return runs;
   }
+  /// Returns the numbers of voxels of all steps that a level corrects, by level.
+  [[nodiscard]] std::span<const std::int64_t> sums() const { return sums_; }
 
  private:
-  std::vector<PackedLabels> encode_level(std::size_t level) const {
-    const values::LabelGrid& grid = pyramid_.levels[level];
-    const values::CubeOrder order(grid.extent);
-    std::vector<PackedLabels> runs;
-    std::vector<std::uint32_t> run_of(std::size_t{order.cubes()[0]} * order.cubes()[1] * order.cubes()[2]);
-    values::encode_label_runs(
-        grid, order, pyramid_.palette.size(), static_cast<int>(level), [&](values::LabelRun&& run) {
-          PackedLabels packed;
-          packed.level = run.level;
-          packed.first = grid.extent;
-          for (std::uint64_t code = run.first; code < run.first + run.count; ++code) {
-            const Extent cube = order.place(code);
-            if (!order.has(cube)) continue;
-            run_of[(std::size_t{cube[2]} * order.cubes()[1] + cube[1]) * order.cubes()[0] + cube[0]] =
-                static_cast<std::uint32_t>(runs.size());
-            for (std::size_t a = 0; a < 3; ++a) {
-              packed.first[a] = std::min(packed.first[a], cube[a] * values::kCubeEdge);
-              packed.last[a] = std::max(packed.last[a], cube[a] * values::kCubeEdge + values::kCubeEdge);
-            }
-          }
-          for (std::size_t a = 0; a < 3; ++a) {
-            packed.first[a] <<= level;
-            packed.last[a] = static_cast<std::uint32_t>(
-                std::min<std::uint64_t>(std::uint64_t{packed.last[a]} << level, pyramid_.levels[0].extent[a]));
-          }
-          packed.payload = values::pack(run);
-          runs.push_back(std::move(packed));
-        });
-    count_corrected(level, order.cubes(), run_of, runs);
-    std::ranges::stable_sort(runs, std::greater{}, [](const PackedLabels& run) {
-      return static_cast<double>(run.corrected) / static_cast<double>(run.payload.size() + kChunkHeaderBytes);
-    });
-    return runs;
+  // Encodes a level of a step. Cubes are kept from the step before if that takes fewer bytes.
+  void encode_level(std::size_t step, std::size_t level, Runs& runs) {
+    runs = runs_of(step, level, nullptr);
+    if (step % kChainSteps != 0) {
+      values::LabelTiles before(pyramid_.steps[step - 1][level]);
+      Runs kept = runs_of(step, level, &before);
+      const auto size = [](const Runs& of) {
+        std::uint64_t bytes = 0;
+        for (const values::StoredLabelRun& run : of) bytes += run.bytes + kChunkHeaderBytes;
+        return bytes;
+      };
+      if (size(kept) < size(runs)) runs = std::move(kept);
+    }
+    if (progress_) progress_->done += orders_[level].codes();
   }
 
-  // Counts for each run the voxels that get their right label, less those that are right with the coarser level.
-  void count_corrected(std::size_t level, const Extent& cubes, std::span<const std::uint32_t> run_of,
-                       std::vector<PackedLabels>& runs) const {
-    const values::LabelGrid &truth = pyramid_.levels[0], &here = pyramid_.levels[level];
-    const values::LabelGrid* const before = level + 1 < pyramid_.levels.size() ? &pyramid_.levels[level + 1] : nullptr;
-    const auto row_of = [](const values::LabelGrid& grid, std::uint32_t y, std::uint32_t z) {
-      return grid.labels.data() + (std::size_t{z} * grid.extent[1] + y) * grid.extent[0];
-    };
-    const std::size_t shift = level + 2;  // from voxels to cubes
-    static_assert(values::kCubeEdge == 1u << 2);
-    const std::uint32_t* label = truth.labels.data();
-    for (std::uint32_t z = 0; z < truth.extent[2]; ++z)
-      for (std::uint32_t y = 0; y < truth.extent[1]; ++y) {
-        const std::uint32_t* const fine = row_of(here, y >> level, z >> level);
-        const std::uint32_t* const coarse = before ? row_of(*before, y >> (level + 1), z >> (level + 1)) : nullptr;
-        const std::uint32_t* const run = run_of.data() + (std::size_t{z >> shift} * cubes[1] + (y >> shift)) * cubes[0];
-        for (std::uint32_t x = 0; x < truth.extent[0]; ++x, ++label) {
-          const bool was = coarse && coarse[x >> (level + 1)] == *label, is = fine[x >> level] == *label;
-          if (was != is) runs[run[x >> shift]].corrected += is ? 1 : -1;
+  Runs runs_of(std::size_t step, std::size_t level, values::LabelCubes* before) {
+    const values::StoredLabels& labels = pyramid_.steps[step][level];
+    const values::CubeOrder& order = orders_[level];
+    const Extent volume = pyramid_.steps.front().front().extent();
+    values::LabelTiles tiles(labels);
+    Runs runs;
+    const auto take = [&](values::LabelRun&& run) {
+      values::StoredLabelRun stored;
+      stored.level = run.level;
+      stored.step = static_cast<std::uint16_t>(step);
+      stored.first = run.first;
+      stored.count = run.count;
+      stored.low = labels.extent();
+      for (std::uint64_t code = run.first; code < run.first + run.count; ++code) {
+        const Extent cube = order.place(code);
+        if (!order.has(cube)) continue;
+        for (std::size_t a = 0; a < 3; ++a) {
+          stored.low[a] = std::min(stored.low[a], cube[a] * values::kCubeEdge);
+          stored.high[a] = std::max(stored.high[a], cube[a] * values::kCubeEdge + values::kCubeEdge);
         }
       }
+      for (std::size_t a = 0; a < 3; ++a) {
+        stored.low[a] <<= level;
+        stored.high[a] =
+            static_cast<std::uint32_t>(std::min<std::uint64_t>(std::uint64_t{stored.high[a]} << level, volume[a]));
+      }
+      run.first += step * order.codes();
+      const std::vector<std::byte> payload = values::pack(run);
+      stored.bytes = static_cast<std::uint16_t>(payload.size());
+      const auto offset = store_.append(payload);
+      stored.offset = offset.value_or(0);
+      runs.push_back(stored);
+      return offset && !is_cancelled(progress_);
+    };
+    values::encode_label_runs(tiles, order, pyramid_.palette->size(), static_cast<int>(level), take, before);
+    return runs;
   }
 
   const values::LabelPyramid& pyramid_;
+  values::SharedStore& store_;
   unsigned threads_;
   Progress* progress_;
+  std::vector<values::CubeOrder> orders_;  // by level
+  std::vector<std::int64_t> sums_;         // by level
 };
 
 /// Chunks of a stream of labels.
 class LabelChunks final : public ChunkList {
  public:
-  LabelChunks(const VolumeLayout& layout, std::span<const PackedLabels> runs) : layout_(layout), runs_(runs) {}
+  LabelChunks(const VolumeLayout& layout, const values::SharedStore& store,
+              std::span<const values::StoredLabelRun> runs, bool series)
+      : layout_(layout), store_(store), runs_(runs), series_(series) {}
   [[nodiscard]] std::size_t size() const override { return runs_.size(); }
   [[nodiscard]] std::optional<OutgoingChunk> chunk(std::size_t i) const override {
-    const PackedLabels& run = runs_[i];
+    const values::StoredLabelRun& run = runs_[i];
     OutgoingChunk chunk;
     chunk.type = ChunkType::labels;
-    chunk.payload = run.payload;
+    chunk.payload.resize(run.bytes);
+    if (!store_.read(run.offset, chunk.payload)) return std::nullopt;
     chunk.gain = static_cast<double>(std::max<std::int64_t>(run.corrected, 0));
-    chunk.entry.parent = 0xffffffff;
+    chunk.entry.parent = series_ ? run.step : 0xffffffff;
     chunk.entry.level = run.level;
     double voxels = 1;
-    for (std::size_t a = 0; a < 3; ++a) voxels *= run.last[a] - run.first[a];
+    for (std::size_t a = 0; a < 3; ++a) voxels *= run.high[a] - run.low[a];
     if (run.level == 0) chunk.entry.vectors = static_cast<std::uint32_t>(std::min(voxels * kShownFraction, 1e9));
     for (unsigned corner = 0; corner < 8; ++corner) {
       const auto end = [&](std::size_t a) {
-        return (corner >> a & 1) != 0 ? run.last[a] - 1.0 : static_cast<double>(run.first[a]);
+        return (corner >> a & 1) != 0 ? run.high[a] - 1.0 : static_cast<double>(run.low[a]);
       };
       chunk.entry.box.add(voxel_position(layout_, end(0), end(1), end(2)));
     }
@@ -151,32 +158,57 @@ class LabelChunks final : public ChunkList {
 
  private:
   const VolumeLayout& layout_;
-  std::span<const PackedLabels> runs_;
+  const values::SharedStore& store_;
+  std::span<const values::StoredLabelRun> runs_;
+  bool series_;
 };
 
+// Returns a share of voxels, rounded up, so that only exact labels have no error.
+float share_of(std::int64_t wrong, std::uint64_t voxels) {
+  const double exact = static_cast<double>(wrong) / static_cast<double>(voxels);
+  const auto share = static_cast<float>(exact);
+  return static_cast<double>(share) < exact ? std::nextafter(share, 2.0f) : share;
+}
+
 // Returns the shares of wrong labels after some sizes, and after each level.
-std::vector<ValueError> shares_of(std::span<const PackedLabels> runs, std::uint64_t voxels) {
+std::vector<ValueError> shares_of(std::span<const values::StoredLabelRun> runs, std::uint64_t voxels) {
   constexpr std::size_t kSteps = 40;
   std::vector<ValueError> errors;
   std::int64_t right = 0;
   std::size_t bytes = 0, all = 0, next = 0;
-  for (const PackedLabels& run : runs) all += run.payload.size();
+  for (const values::StoredLabelRun& run : runs) all += run.bytes;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     right += runs[i].corrected;
-    bytes += runs[i].payload.size();
+    bytes += runs[i].bytes;
     const bool ends = i + 1 == runs.size() || runs[i + 1].level != runs[i].level;
     if (!ends && (bytes < next || errors.size() + 24 > ValueGrid::kMaxValueErrors)) continue;
     next = bytes + all / kSteps + 1;
-    const auto wrong = static_cast<double>(static_cast<std::int64_t>(voxels) - right) / static_cast<double>(voxels);
-    // Rounded up, so that only exact labels have no error.
-    auto share = static_cast<float>(wrong);
-    if (static_cast<double>(share) < wrong) share = std::nextafter(share, 2.0f);
-    errors.push_back({static_cast<std::uint32_t>(i + 1), share, 0});
+    errors.push_back(
+        {static_cast<std::uint32_t>(i + 1), share_of(static_cast<std::int64_t>(voxels) - right, voxels), 0});
   }
   return errors;
 }
 
-ValueGrid grid_of(const VolumeLayout& layout, values::LabelPyramid& pyramid) {
+// Returns the shares of wrong labels of all steps after each level.
+std::vector<ValueError> shares_of_levels(std::span<const values::StoredLabelRun> runs,
+                                         std::span<const std::int64_t> sums, std::uint64_t voxels) {
+  std::vector<ValueError> errors;
+  std::int64_t right = 0;
+  std::size_t at = 0;
+  for (std::size_t level = sums.size(); level-- > 0;) {
+    right += sums[level];
+    while (at < runs.size() && runs[at].level == level) ++at;
+    const ValueError error{static_cast<std::uint32_t>(at), share_of(static_cast<std::int64_t>(voxels) - right, voxels),
+                           0};
+    if (!errors.empty() && errors.back().chunks == error.chunks)
+      errors.back() = error;
+    else if (at > 0)
+      errors.push_back(error);
+  }
+  return errors;
+}
+
+ValueGrid grid_of(const VolumeLayout& layout, const values::LabelPyramid& pyramid) {
   ValueGrid grid;
   grid.dimensions = layout.dimensions;
   grid.origin = layout.origin;
@@ -186,7 +218,7 @@ ValueGrid grid_of(const VolumeLayout& layout, values::LabelPyramid& pyramid) {
   grid.intercept = grid.zero = layout.intercept;
   if (layout.missing && std::isfinite(*layout.missing)) grid.missing = layout.missing;
   grid.labels = true;
-  grid.palette = std::move(pyramid.palette);
+  grid.palette = *pyramid.palette;
   return grid;
 }
 
@@ -214,22 +246,38 @@ Description describe_labels(const VolumeLayout& layout, const ValueGrid& grid, c
 
 std::variant<EncodedStream, EncodeError> encode_labels(const VolumeSource& source, const EncodeOptions& options,
                                                        Progress* progress) {
-  auto read = values::read_labels(source, options.threads, progress);
+  const std::span<const VolumeSource> steps =
+      source.steps.empty() ? std::span(&source, 1) : std::span<const VolumeSource>(source.steps);
+  const bool series = steps.size() > 1;
+  if (steps.size() > kMaxSteps || (series && steps.size() != source.times.size()))
+    return EncodeError{"the series has " + std::to_string(steps.size()) + " steps; expected at most " +
+                       std::to_string(kMaxSteps)};
+  MemoryStore memory;
+  values::SharedStore store(options.spill ? *options.spill : memory);
+  auto read = values::read_labels(steps, store, options.threads, progress);
   if (auto* problem = std::get_if<EncodeError>(&read)) return std::move(*problem);
-  auto& pyramid = std::get<values::LabelPyramid>(read);
-  const std::vector<PackedLabels> runs = PyramidEncoder(pyramid, options.threads, progress).encode();
-  if (runs.empty()) return EncodeError{"cancelled"};
-  const VolumeLayout& layout = source.layout;
+  const auto& pyramid = std::get<values::LabelPyramid>(read);
+  PyramidEncoder encoder(pyramid, store, options.threads, progress);
+  const Runs runs = encoder.encode();
+  if (is_cancelled(progress)) return EncodeError{"cancelled"};
+  if (store.failed()) return EncodeError{"cannot keep the labels: " + store.problem()};
+  const VolumeLayout& layout = steps.front().layout;
   StreamHeader header;
   header.kind = Kind::volume;
   header.payload = Payload::values;
   header.grid = grid_of(layout, pyramid);
-  header.grid.errors = shares_of(runs, voxel_count(layout));
+  header.grid.errors = series ? shares_of_levels(runs, encoder.sums(), voxel_count(layout) * steps.size())
+                              : shares_of(runs, voxel_count(layout));
   header.description = describe_labels(layout, header.grid, options);
   header.cube = Cube::around(header.description.box);
+  if (series) {
+    header.steps.times = source.times;
+    header.steps.chunks.assign(steps.size(), 0);
+    for (const values::StoredLabelRun& run : runs) ++header.steps.chunks[run.step];
+  }
   if (!sound(header.grid))
     return EncodeError{"the voxels are too large or too far apart; expected positions below 10^30"};
-  return write_values(std::move(header), LabelChunks(layout, runs), options, "labels");
+  return write_values(std::move(header), LabelChunks(layout, store, runs, series), options, "labels");
 }
 
 }  // namespace gs::qnv
