@@ -214,7 +214,7 @@ TEST_CASE("cells: Wishes of a time series name the chunks of the shown step firs
     const auto head = qnv::chunk_head(rest.subspan(at));
     REQUIRE(head);
     const auto chunk = rest.subspan(at, head->bytes);
-    if (head->type == qnv::ChunkType::directory)
+    if (head->type == qnv::ChunkType::places)
       places.emplace_back(chunk.begin(), chunk.end());
     else if (head->type != qnv::ChunkType::parity)
       chunks.emplace_back(chunk.begin(), chunk.end());
