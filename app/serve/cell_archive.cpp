@@ -93,7 +93,7 @@ std::vector<Place> QnvSource::from_directory(const qnv::StreamHeader& header) co
   // Give the reader the header first, because it accepts nothing else before.
   qnv::StreamReader reader;
   qnv::values::PlacesReader listed;
-  const qnv::values::PlaceEntries entry_of(header.grid);
+  const qnv::values::PlaceEntries entry_of(header.grid, !header.steps.times.empty());
   const auto on_chunk = [&](qnv::ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
     if (type == qnv::ChunkType::places && header.payload == qnv::Payload::values) {
       const std::size_t known = listed.places().size();

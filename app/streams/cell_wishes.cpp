@@ -89,8 +89,7 @@ bool CellWishes::read_part(std::span<const std::byte> chunk) {
   const auto parsed = qnv::sound_chunk(chunk);
   const auto* const sound = std::get_if<qnv::SoundChunk>(&parsed);
   if (!sound) return false;
-  if (general_) {
-    if (sound->type != qnv::ChunkType::directory) return false;
+  if (general_ && sound->type == qnv::ChunkType::directory) {
     for (const qnv::DirectoryEntry& entry : qnv::decode_directory(sound->payload, feed_->box())) {
       if (!offsets_.empty() && entry.offset <= offsets_.back()) return false;
       offsets_.push_back(entry.offset);

@@ -65,7 +65,7 @@ class CellWishes {
   void name_wanted();
 
   std::shared_ptr<StreamFeed> feed_;
-  bool general_ = false;                                 // the directory is a general one
+  bool general_ = false;                                 // the directory may be a general one
   std::size_t first_ = 0;                                // chunks in the base
   std::vector<std::vector<std::byte>> places_;           // chunks of the directory; empty if not received
   std::size_t next_place_ = 0;                           // those before it were read

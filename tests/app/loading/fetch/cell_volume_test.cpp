@@ -214,22 +214,22 @@ TEST_CASE("cells: Wishes of a time series name the chunks of the shown step firs
     const auto head = qnv::chunk_head(rest.subspan(at));
     REQUIRE(head);
     const auto chunk = rest.subspan(at, head->bytes);
-    if (head->type == qnv::ChunkType::directory)
+    if (head->type == qnv::ChunkType::places)
       places.emplace_back(chunk.begin(), chunk.end());
     else if (head->type != qnv::ChunkType::parity)
       chunks.emplace_back(chunk.begin(), chunk.end());
     at += head->bytes;
   }
-  REQUIRE(places.size() == 1);
+  REQUIRE_FALSE(places.empty());
   const auto requests = std::make_shared<qnv::DirectoryRequests>(header);
   const auto feed = std::make_shared<StreamFeed>(requests, [] {});
   REQUIRE(CellWishes::suits(*feed, base));
   CHECK_FALSE(CellWishes::suits(*feed, std::span(base).first(20)));
-  CellWishes wishes(feed, base, 1);
+  CellWishes wishes(feed, base, static_cast<std::uint32_t>(places.size()));
   REQUIRE(wishes.update());
   // A feed that takes no bytes leaves the chunks to the reader thread, which needs no offsets.
   CHECK(wishes.take({0, 0}, chunks[0]).empty());
-  CHECK(wishes.take({kPlacesStream, 0}, places[0]).empty());
+  for (std::uint32_t i = 0; i < places.size(); ++i) CHECK(wishes.take({kPlacesStream, i}, places[i]).empty());
   REQUIRE(wishes.update());
   CHECK(wishes.names().size() == chunks.size() - 1);
   const std::vector<net::ChunkName> before(wishes.names().begin(), wishes.names().end());
