@@ -1,4 +1,5 @@
 // Decoders of formats that real worlds use although VRML97 does not require them: BMP, PPM, PGM, Targa.
+#include "base/text.h"
 #include "render/image/image_codecs.h"
 
 #include <algorithm>
@@ -6,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 
 // stb_image is compiled here, with only these decoders and without file access.
@@ -38,11 +40,30 @@ ImageError failure() {
   return {std::string("it cannot be decoded: ") + (reason ? reason : "its header or its pixels are damaged")};
 }
 
+/// Reports whether a PPM or PGM header has a number of more than nine digits. The decoder does not check its numbers.
+bool has_endless_number(std::string_view file) {
+  if (!file.starts_with("P5") && !file.starts_with("P6")) return false;
+  constexpr int kNumbers = 3;  // width, height, largest value
+  constexpr std::size_t kMostDigits = 9;
+  constexpr std::string_view kDigits = "0123456789";
+  std::size_t at = 2;
+  for (int number = 0; number < kNumbers && at < file.size(); ++number) {
+    while (at < file.size() && kDigits.find(file[at]) == std::string_view::npos)
+      at = file[at] == '#' ? std::min(file.find_first_of("\r\n", at), file.size()) : at + 1;
+    const std::size_t end = std::min(file.find_first_not_of(kDigits, at), file.size());
+    if (end - at > kMostDigits) return true;
+    at = end;
+  }
+  return false;
+}
+
 }  // namespace
 
 DecodedImage decode_stb(std::span<const std::byte> bytes, const ImageLimits& limits) {
   constexpr const char* kName = "picture";
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) return ImageError{"it is too long"};
+  if (has_endless_number(text_of(bytes)))
+    return ImageError{"its header has a number of more than nine digits; expected width, height and largest value"};
   const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
   const int size = static_cast<int>(bytes.size());
   int width = 0, height = 0, components = 0;

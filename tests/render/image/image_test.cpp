@@ -379,6 +379,19 @@ TEST_CASE("rejects a truncated or huge bitmap in one line") {
   }
 }
 
+TEST_CASE("refuses PPM and PGM headers with numbers of more than nine digits") {
+  for (const std::string header : {"P5 44444444445 1 255 ", "P6\n# 1\n1 99999999999\n255\n", "P6 1 1 2555555555 "}) {
+    INFO(header);
+    const auto decoded = gs::render::decode_image(std::as_bytes(std::span(header)));
+    const auto* error = std::get_if<gs::render::ImageError>(&decoded);
+    REQUIRE(error);
+    CHECK(error->message == "its header has a number of more than nine digits; expected width, height and largest value");
+  }
+  const std::string comment = "P5 # 12345678901\n1 1 255 a";  // not a number of the header
+  const auto decoded = gs::render::decode_image(std::as_bytes(std::span(comment)));
+  CHECK(std::holds_alternative<gs::render::Image>(decoded));
+}
+
 TEST_CASE("refuses a bitmap without pixels") {
   for (const char* name : {"no_rows.bmp", "no_rows24.bmp", "no_columns.bmp"}) {
     INFO(name);
