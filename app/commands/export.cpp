@@ -249,7 +249,7 @@ int run_export(const ExportCommand& options) {
   ExportOptions export_options;
   export_options.title = input->title;
   export_options.name = std::filesystem::path(out).stem().string();
-  if (input->type == "QNV") export_options.stream_url = url_between(out, in);
+  if (input->type == "QNV") export_options.stream_url = is_url_input(in) ? in : url_between(out, in);
   const std::uint64_t in_bytes = input->bytes;
   std::vector<std::string> losses = lost_properties(*input);
   auto made = converted(options, format, std::move(*input), progress);

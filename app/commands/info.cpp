@@ -6,10 +6,11 @@
 #include "app/commands/common/vectors_of.h"
 #include "app/encode/surface_triangles.h"
 #include "app/formats/content_types.h"
-#include "app/formats/datasets/dataset_formats.h"
 #include "app/formats/datasets/arrays/dataset_tree.h"
+#include "app/formats/datasets/dataset_formats.h"
 #include "app/formats/foreign_types.h"
 #include "app/formats/qnv/geometry_reader.h"
+#include "app/formats/volume/confined/confined_list.h"
 #include "base/gzip.h"
 #include "base/json_value.h"
 #include "net/files/file.h"
@@ -403,13 +404,49 @@ void describe_world(JsonValue& facts, const OpenedSurface& opened) {
   put_notes(facts, world.diagnostics);
 }
 
+void describe_input(JsonValue& facts, const OpenedInput& input, Clock::time_point deadline) {
+  facts.put("type", input.type);
+  if (const auto* volume = std::get_if<qnv::VolumeSource>(&input.content)) {
+    describe_volume(facts, *volume, deadline);
+  } else if (const auto* geometry = std::get_if<qnv::Geometry>(&input.content)) {
+    put_vectors(facts, *geometry);
+    put_metadata(facts, geometry->description().metadata);
+  } else if (const auto* mesh = std::get_if<MeshStream>(&input.content)) {
+    facts.put("faces", mesh->faces);
+  } else {
+    describe_world(facts, *std::get<std::unique_ptr<OpenedSurface>>(input.content));
+  }
+}
+
+// Describes a file of a server.
+std::optional<JsonValue> describe_url(const InfoCommand& options, const std::string& url, Clock::time_point deadline) {
+  const auto input = open_input(options, url, MeshForm::world);
+  if (!input) return std::nullopt;
+  JsonValue facts = JsonValue::named({{"file", url}, {"type", ""}, {"bytes", input->bytes}});
+  describe_input(facts, *input, deadline);
+  return facts;
+}
+
+void print_report(const InfoCommand& options, const JsonValue& facts, std::span<const std::string> dataset_lines) {
+  if (options.json) return print_text(facts.json());
+  for (const std::string& line : facts.lines()) print_line("%s", line.c_str());
+  for (const std::string& line : dataset_lines) print_line("%s", line.c_str());
+}
+
 }  // namespace
 
 int run_info(const InfoCommand& options) {
   const std::string& path = options.files.front();
-  const std::string local = local_input(path);
+  const bool of_server = is_url_input(path);
+  const std::string local = of_server ? std::string() : local_input(path);
   const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                            std::chrono::duration<double>(std::min(options.timeout_seconds, 1e6)));
+  if (of_server) {
+    const auto facts = describe_url(options, path, deadline);
+    if (!facts) return kFailed;
+    print_report(options, *facts, {});
+    return kDone;
+  }
   const std::string entry = entry_of_folder(local);
   auto mapped = net::map_file(entry.empty() ? local : entry);
   if (const auto* problem = std::get_if<net::FileError>(&mapped)) {
@@ -429,12 +466,9 @@ int run_info(const InfoCommand& options) {
     // A file of datasets is listed even if none of them can be shown.
     const ContentType& named = content_type_of(local, first_bytes(bytes));
     if (has_datasets(named) && !bytes.empty() && !is_gzip(bytes)) {
-      Diagnostics ignored;
-      const ReadFile read_file = reader_beside(local, load_options(options).allowed);
-      const auto budget = std::make_shared<Budget>(options.limits);
-      ImportSource source{bytes, local, read_file, budget, ignored};
-      if (!entry.empty()) source.component.folder = local;
-      const auto listed = list_datasets(source);
+      const auto listed =
+          list_datasets_confined(local, {reader_beside(local, load_options(options).allowed), {}, {}, {}, {}},
+                                 std::make_shared<Budget>(options.limits));
       if (const auto* const problem = std::get_if<std::string>(&listed))
         return fail(local + ": " + std::string(named.name) + ": " + *problem);
       dataset_lines = dataset_tree(std::get<std::vector<DatasetEntry>>(listed));
@@ -443,26 +477,9 @@ int run_info(const InfoCommand& options) {
     }
     const auto input = open_input(options, path, MeshForm::world);
     if (!input && (dataset_lines.empty() || !options.component.dataset.empty())) return kFailed;
-    if (input) facts.put("type", input->type);
-    if (!input) {
-      // The list of datasets remains.
-    } else if (const auto* volume = std::get_if<qnv::VolumeSource>(&input->content)) {
-      describe_volume(facts, *volume, deadline);
-    } else if (const auto* geometry = std::get_if<qnv::Geometry>(&input->content)) {
-      put_vectors(facts, *geometry);
-      put_metadata(facts, geometry->description().metadata);
-    } else if (const auto* mesh = std::get_if<MeshStream>(&input->content)) {
-      facts.put("faces", mesh->faces);
-    } else {
-      describe_world(facts, *std::get<std::unique_ptr<OpenedSurface>>(input->content));
-    }
+    if (input) describe_input(facts, *input, deadline);  // else the list of datasets remains
   }
-  if (options.json)
-    print_text(facts.json());
-  else
-    for (const std::string& line : facts.lines()) print_line("%s", line.c_str());
-  if (!options.json)
-    for (const std::string& line : dataset_lines) print_line("%s", line.c_str());
+  print_report(options, facts, dataset_lines);
   return kDone;
 }
 

@@ -10,6 +10,7 @@
 #include "app/formats/splats/splats.h"
 #include "app/formats/splats/splats_sog.h"
 #include "app/formats/volume/confined/confined_volume.h"
+#include "app/formats/volume/volume_common.h"
 #include "base/gzip.h"
 #include "base/text.h"
 #include "qnv/codecs/payloads.h"
@@ -22,15 +23,21 @@
 namespace gs::app {
 
 // Rows of mesh formats, each in the file of its importer.
-extern const ContentType kPlyFormat, kObjFormat, kOffFormat, kStlFormat, kAvsGeometryFormat, kUcdFormat, kVtpFormat,
-    kVtuFormat, kVtkLegacyFormat;
+extern const ContentType kPlyFormat, kObjFormat, kOffFormat, kStlFormat, kAvsGeometryFormat, kUcdFormat,
+    kVtkLegacyFormat, kPcdFormat;
 
 namespace {
 
 // Meshes in files of datasets. The row of the volumes has the same name.
 constexpr ContentType kHdf5MeshFormat = mesh_type("HDF5", "application/x-hdf5", "", nullptr, read_dataset_mesh),
                       kNetcdfMeshFormat = mesh_type("NetCDF", "application/x-netcdf", "", nullptr, read_dataset_mesh),
-                      kXdmfMeshFormat = mesh_type("XDMF", "model/x-xdmf", "", nullptr, read_dataset_mesh);
+                      kXdmfMeshFormat = mesh_type("XDMF", "model/x-xdmf", "", nullptr, read_dataset_mesh),
+                      kVtsMeshFormat = mesh_type("VTK StructuredGrid", "application/x-vtk-structured-grid", "", nullptr,
+                                                 read_dataset_mesh),
+                      kPvdMeshFormat = mesh_type("ParaView collection", "application/x-paraview-collection", "",
+                                                 nullptr, read_dataset_mesh),
+                      kVtkSeriesMeshFormat =
+                          mesh_type("VTK file series", "application/x-vtk-series", "", nullptr, read_dataset_mesh);
 
 using Bytes = std::span<const std::byte>;
 
@@ -157,9 +164,15 @@ std::span<const ContentType> content_types() {
         kStlFormat,
         kAvsGeometryFormat,
         kUcdFormat,
-        kVtpFormat,
-        kVtuFormat,
+        mesh_type("VTK PolyData", "application/x-vtk-poly-data", ".vtp .pvtp ", is_vtp, read_dataset_mesh),
+        mesh_type("VTK UnstructuredGrid", "application/x-vtk-unstructured-grid", ".vtu .pvtu ", is_vtu,
+                  read_dataset_mesh),
+        mesh_type("VTK MultiBlock", "application/x-vtk-multi-block", ".vtm .vtmb .vtpd .vtpc .vth .vthb ", is_vtm,
+                  read_dataset_mesh),
         kVtkLegacyFormat,
+        {"points PCD", "application/x-pcd", "", is_points_pcd, kSplats, read_vectors<import_points_pcd>,
+         UpRule::survey},
+        kPcdFormat,
         {"SPZ splats", "model/x-spz", ".spz ", is_splats_spz, kSplats, read_vectors<import_splats_spz>, UpRule::y,
          true},
         {"SOG", "application/zip", ".sog ", is_splats_sog, kSplats, read_splats_sog},
@@ -167,10 +180,13 @@ std::span<const ContentType> content_types() {
         {"KSplat", "model/x-ksplat", ".ksplat ", nullptr, kSplats, read_vectors<import_splats_ksplat>},
         {"points", "text/x-xyz", ".xyz ", nullptr, kSplats, read_vectors<import_points_xyz>, UpRule::survey},
     };
-    for (const VolumeFormatName& volume : volume_format_names())
+    for (const VolumeFormatName& volume : volume_format_names()) {
       all.push_back(
           {volume.name, volume.mime, volume.extensions, volume.sniff, ContentClass::volume, read_volume, volume.up});
-    for (const ContentType* const mesh : {&kHdf5MeshFormat, &kNetcdfMeshFormat, &kXdmfMeshFormat}) {
+      all.back().belongs_to_others = volume.belongs_to_others;
+    }
+    for (const ContentType* const mesh : {&kHdf5MeshFormat, &kNetcdfMeshFormat, &kXdmfMeshFormat, &kVtsMeshFormat,
+                                          &kPvdMeshFormat, &kVtkSeriesMeshFormat}) {
       const auto row = std::ranges::find(all, mesh->name, &ContentType::name);
       row->holds_mesh = holds_dataset_mesh;
       row->mesh_type = mesh;

@@ -98,10 +98,6 @@ bool is_dxf(Bytes bytes) {
   return text.starts_with("0\n") || text.starts_with("0\r\n") ? text.find("SECTION") != std::string::npos : false;
 }
 bool is_3ds(Bytes bytes) { return has_mark<"MM">(bytes) && (has_mark<"\x02\0", 6>(bytes) || has_mark<"==", 6>(bytes)); }
-bool is_pcd(Bytes bytes) {
-  const std::string text = start_of_text(bytes).substr(0, 4096);
-  return text.starts_with("# .PCD") || (text.starts_with("VERSION") && text.find("\nFIELDS ") != std::string::npos);
-}
 
 bool is_usdz(Bytes bytes) {
   const std::string_view name = first_name_in_zip(bytes);
@@ -158,10 +154,9 @@ constexpr ContentType kForeignTypes[] = {
     foreign("USD", ".usd .usda .usdc ", any_of<has_mark<"#usda ">, has_mark<"PXR-USDC">>, kBlender),
     foreign("FBX", ".fbx ", any_of<has_mark<"Kaydara FBX Binary">, has_mark<"; FBX ">>, kBlender),
     foreign("COLLADA", ".dae ", has_root<"COLLADA">, kBlender),
-    foreign("PCD", ".pcd ", is_pcd, "convert it to PLY with 'pcl_pcd2ply IN.pcd OUT.ply' or with CloudCompare"),
     foreign("LAS", ".las .laz ", has_mark<"LASF">, kCloudCompare),
     foreign("E57", ".e57 ", has_mark<"ASTM-E57">, kCloudCompare),
-    foreign("VTK XML of another type", ".vtr .vts .vtm .pvd .pvti .pvtp .pvtu .pvtr .pvts ", has_root<"VTKFile">,
+    foreign("VTK XML of another type", ".htg ", has_root<"VTKFile">,
             kParaView),
     foreign("URDF", ".urdf ", has_root<"robot">, "open the meshes that it names, or export the robot as glTF"),
     foreign("streamed SOG", "", is_streamed_sog, "open the meta.json of one of its levels"),

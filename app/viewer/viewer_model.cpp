@@ -128,6 +128,7 @@ UiModel ViewerController::model(const Frame& frame, const PictureMeasures& measu
   if (const SeriesList::Series* series = session_.series().current()) {
     model.tools.files = series->files.size();
     model.tools.file = series->shown;
+    if (series->shown < series->times.size()) model.tools.file_time = series->times[series->shown];
     model.tools.playing = series->playing;
     model.tools.rate = series->rate;
   }

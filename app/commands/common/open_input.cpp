@@ -27,7 +27,9 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <filesystem>
 #include <memory>
+#include <system_error>
 #include <utility>
 
 namespace gs::app {
@@ -103,6 +105,46 @@ std::optional<Opened> open_world_input(const LoadingOptions& options, const std:
   return surface;
 }
 
+/// Returns the vectors or the volume of a world that has nothing else, with all of its details; else null.
+std::shared_ptr<const qnv::Geometry> only_geometry(const OpenedSurface& surface) {
+  const auto& geometries = surface.world.geometries;
+  if (surface.world.authored || geometries.size() != 1 || !surface.list.items.empty()) return nullptr;
+  return geometries.begin()->second;
+}
+
+/// Returns the volume of a file that is no stream, with all numbers of its voxels; nullopt for others.
+std::optional<qnv::VolumeSource> whole_volume(const qnv::Geometry& geometry) {
+  const auto* const vectors = geometry.as<qnv::Volume>();
+  if (!vectors || !vectors->values || !vectors->values->exact || vectors->values->level != 0) return std::nullopt;
+  qnv::VolumeSource volume = vectors->values->source;
+  volume.layout.metadata = geometry.description().metadata;
+  for (const auto& component : vectors->values->components)
+    if (!volume.layout.colors) volume.components.push_back(component->source);
+  return volume;
+}
+
+/// Opens a file of a server: its volume or vectors, else its world.
+std::optional<Opened> open_url_input(const InputOptions& options, const std::string& path, OpenedInput& input) {
+  std::optional<Opened> opened = open_world_input(options, path, input.title);
+  if (!opened) return std::nullopt;
+  auto& surface = *std::get<std::unique_ptr<OpenedSurface>>(*opened);
+  input.bytes = surface.world.bytes;
+  input.type = surface.world.type;
+  input.upright = upright_of(surface.world.up, surface.list.bounds.empty() ? glm::vec3(0) : surface.list.bounds.size());
+  const auto geometry = only_geometry(surface);
+  if (!geometry) return opened;
+  if (const auto* const octree = geometry->as<qnv::OctreeSplats>()) {
+    const WorldBudget budget = budget_of(options, LoadLimit(deadline_of(options)));
+    qnv::LodLimits limits;
+    limits.discs = most_decoded_vectors(*budget);
+    octree->stream->set_limits(limits);
+    return qnv::Geometry(octree->stream->whole());
+  }
+  if (auto volume = input.type == "QNV" ? std::nullopt : whole_volume(*geometry)) return std::move(*volume);
+  qnv::Geometry kept = *geometry;
+  return kept;
+}
+
 /// Thrown when a mesh asks for another file: worlds have the rules for references.
 struct RefersToFiles {};
 
@@ -168,6 +210,12 @@ std::size_t most_encoded_triangles(const Limits& limits) {
   return limits.memory / 32 * kHeldShare / qnv::kDisplacedTriangleBytes;
 }
 
+bool is_url_input(const std::string& path) {
+  const std::string scheme = net::parse_url(path).scheme;
+  std::error_code error;
+  return !scheme.empty() && scheme != "file" && !std::filesystem::exists(path, error);
+}
+
 std::string local_input(const std::string& path) {
   const net::Url url = net::parse_url(path);
   std::string local = url.scheme == "file" ? net::path_of_url(url) : path;
@@ -176,6 +224,13 @@ std::string local_input(const std::string& path) {
 }
 
 std::optional<OpenedInput> open_input(const InputOptions& options, const std::string& path, MeshForm form) {
+  if (is_url_input(path)) {
+    OpenedInput input{{}, {}, {}, 0, {}, {}, nullptr};
+    auto opened = open_url_input(options, path, input);
+    if (!opened) return std::nullopt;
+    input.content = std::move(*opened);
+    return input;
+  }
   std::string local = local_input(path);
   const std::string entry = entry_of_folder(local);
   while (!entry.empty() && local.size() > 1 && local.ends_with('/')) local.pop_back();
@@ -213,6 +268,9 @@ std::optional<OpenedInput> open_input(const InputOptions& options, const std::st
   glm::vec3 size(0);
   if (const auto* surface = std::get_if<std::unique_ptr<OpenedSurface>>(&input.content))
     if (const WideBox& bounds = (*surface)->list.bounds; !bounds.empty()) size = bounds.size();
+  if (const auto* volume = std::get_if<qnv::VolumeSource>(&input.content))
+    for (std::size_t i = 0; i < 3; ++i)
+      size += glm::abs(volume->layout.axes[i]) * static_cast<float>(volume->layout.dimensions[i] - 1);
   if (const auto* mesh = std::get_if<MeshSurface>(&input.content); mesh && !mesh->summary.box.empty())
     size = mesh->summary.box.size();
   if (const auto* mesh = std::get_if<MeshStream>(&input.content)) size = mesh->size;
@@ -224,6 +282,7 @@ std::optional<OpenedInput> open_input(const InputOptions& options, const std::st
 }
 
 std::optional<OpenedInput> open_values_stream(const std::string& path) {
+  if (is_url_input(path)) return std::nullopt;
   const std::string local = local_input(path);
   auto opened = net::open_file(local);
   if (std::holds_alternative<net::FileError>(opened)) return std::nullopt;

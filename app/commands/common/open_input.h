@@ -48,6 +48,8 @@ struct OpenedInput {
 /// to that number.
 [[nodiscard]] std::size_t most_encoded_triangles(const Limits& limits);
 
+/// Returns true for the URL of a server (http:, https:, ssh:, ...), which is read as --snapshot reads it.
+[[nodiscard]] bool is_url_input(const std::string& path);
 /// Returns the path of a local file: of a file: URL, or of the metadata of a container if the path is its folder.
 [[nodiscard]] std::string local_input(const std::string& path);
 

@@ -8,6 +8,7 @@
 #include "app/saving/save_formats.h"
 #include "app/saving/scene_text.h"
 #include "base/gzip.h"
+#include "net/base/url.h"
 #include "net/files/file.h"
 
 #include <chrono>
@@ -19,8 +20,9 @@
 namespace gs::app {
 namespace {
 
-// Returns the type of a local file; null if it cannot be read.
+// Returns the type of a file, that of a server by its name; null if it cannot be read.
 const ContentType* type_of_file(const std::string& path) {
+  if (is_url_input(path)) return content_type_by_name(net::parse_url(path).path);
   const std::string local = local_input(path);
   const auto opened = net::map_file(local);
   const auto* const file = std::get_if<net::MappedFile>(&opened);

@@ -86,7 +86,7 @@ std::vector<std::string> desktop_mime_types() {
   std::vector<std::string> names;
   for (const ContentType& type : content_types()) {
     const DesktopType desktop = desktop_type_of(type);
-    if (desktop.magic.empty() && globs_of(type, desktop).empty()) continue;
+    if (type.belongs_to_others || (desktop.magic.empty() && globs_of(type, desktop).empty())) continue;
     std::vector<std::string> all = parts_of(desktop.aliases, ' ');
     all.insert(all.begin(), std::string(type.mime));
     for (const std::string& one : all)
@@ -110,7 +110,7 @@ std::string shared_mime_info() {
   std::vector<std::string_view> order;
   for (const ContentType& type : content_types()) {
     const DesktopType desktop = desktop_type_of(type);
-    if (desktop.magic.empty() && globs_of(type, desktop).empty()) continue;
+    if (type.belongs_to_others || (desktop.magic.empty() && globs_of(type, desktop).empty())) continue;
     auto [entry, fresh] = types.try_emplace(type.mime);
     auto& [head, body] = entry->second;
     if (fresh) {

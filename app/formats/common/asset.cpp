@@ -63,6 +63,7 @@ std::unique_ptr<vrml::SceneGraph> scene_of(MeshAsset mesh, const std::string& pa
     builder.add_root(shape);
   }
   if (mesh.color_key) add_color_key(builder, *mesh.color_key);
+  if (mesh.steps) add_time_steps(builder, *mesh.steps);
   if (scene->memory().exhausted() && !mesh.cut_short)
     diagnostics.add({Severity::error, path, {}, budget->refusal(Resource::nodes) + "; skipped the rest"});
   return scene;

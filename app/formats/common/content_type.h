@@ -41,6 +41,7 @@ struct ContentType {
   /// Volume: returns true if a whole file of this type is a mesh instead, with the type `mesh_type`. Null if none is.
   bool (*holds_mesh)(const ImportSource& source) = nullptr;
   const ContentType* mesh_type = nullptr;
+  bool belongs_to_others = false;  // other viewers own such files, so that the desktop does not offer this program
 
   /// Returns the error for a file of a type with a `remedy`: "STEP cannot be read; open it in ...".
   [[nodiscard]] std::string refusal() const { return std::string(name) + " cannot be read; " + std::string(remedy); }

@@ -2,6 +2,7 @@
 
 #include "app/formats/common/color_key.h"
 #include "app/formats/common/import_context.h"
+#include "app/formats/common/time_steps.h"
 #include "vrml/scene/values/field_value.h"
 
 #include <cstddef>
@@ -60,6 +61,7 @@ struct MeshAsset {
   std::vector<MeshPart> parts;
   std::vector<NamedLook> looks;
   std::optional<ColorKey> color_key;  // values that the colours represent
+  std::optional<TimeSteps> steps;     // of a file that has several; valid
   Share memory;                       // of the arrays
   bool cut_short = false;             // the budget removed some or all of it, which was reported
 
@@ -80,6 +82,10 @@ class MeshBuilder : public ImportContext {
   /// Adds a part that `keep_drawable` has accepted.
   void add_part(Geometry geometry, std::size_t look, std::string_view name);
   void set_color_key(ColorKey key) { asset_.color_key = std::move(key); }
+  /// Sets the steps of a file with a surface that changes with time. Ignores invalid ones, such as a single one.
+  void set_steps(TimeSteps steps) {
+    if (is_valid(steps)) asset_.steps = std::move(steps);
+  }
 
   /// Reports that the budget stopped the import, unless it was cancelled. The parts so far remain.
   void cut_short();

@@ -105,13 +105,29 @@ Upright upright_of(UpRule rule, const glm::vec3& size) {
     case UpRule::survey:
       return upright_of(std::max({size.x, size.y, size.z}) > kSurvey ? UpAxis::z : UpAxis::y);
     case UpRule::slices:
-      return {{0, 0, -1}, {0, -1, 0}};
+      return facing_flat({{0, 0, -1}, {0, -1, 0}}, size);
     case UpRule::patient_s:
-      return {{0, 0, 1}, {0, -1, 0}};
+      return facing_flat({{0, 0, 1}, {0, -1, 0}}, size);
     case UpRule::patient_r:
-      return {{0, 0, 1}, {0, 1, 0}};
+      return facing_flat({{0, 0, 1}, {0, 1, 0}}, size);
   }
   return {};
+}
+
+bool has_slices(UpRule rule) {
+  return rule == UpRule::slices || rule == UpRule::patient_s || rule == UpRule::patient_r;
+}
+
+Upright facing_flat(const Upright& upright, const glm::vec3& size) {
+  constexpr float kFlat = 1e-3f;  // max ratio of the depth of a picture to its width and height
+  const auto is_flat = [&](int axis) {
+    const float depth = size[axis], width = size[(axis + 1) % 3], height = size[(axis + 2) % 3];
+    return std::min(width, height) > 0 && depth >= 0 && depth <= kFlat * std::min(width, height);
+  };
+  // The first row of a single slice is on top, its first column on the left.
+  if (is_flat(2)) return {{0, -1, 0}, {0, 0, -1}};
+  if (is_flat(0)) return {upright.up, {1, 0, 0}};
+  return upright;
 }
 
 std::optional<Upright> stated_upright(StreamMetadata metadata) {

@@ -53,6 +53,10 @@ enum class UpRule : std::uint8_t {
 };
 /// Returns the orientation that a rule gives. `size` is the extent of the whole content along x, y and z.
 [[nodiscard]] Upright upright_of(UpRule rule, const glm::vec3& size);
+/// Returns true for the rules of stacks of slices.
+[[nodiscard]] bool has_slices(UpRule rule);
+/// Returns the orientation in which a stack of slices is seen face on if it has a single slice; else `upright`.
+[[nodiscard]] Upright facing_flat(const Upright& upright, const glm::vec3& size);
 
 using StreamMetadata = std::span<const std::pair<std::string, std::string>>;
 /// Returns the orientation in the metadata of a stream, or nullopt. The keys `up` and `front` are axes; the key `view`

@@ -53,6 +53,8 @@ void write(TransferWriter& to, const MeshAsset& mesh) {
     to.value(std::array{mesh.color_key->low, mesh.color_key->high});
     to.list(mesh.color_key->colors);
   }
+  to.list(mesh.steps ? mesh.steps->times : std::vector<double>());
+  to.value<std::uint64_t>(mesh.steps ? mesh.steps->shown : 0);
   to.value<std::uint8_t>(mesh.cut_short);
 }
 
@@ -135,6 +137,12 @@ MeshAsset read_mesh_asset(TransferReader& from, const ImportSource& source) {
     if (!std::isfinite(key.low) || !std::isfinite(key.high) || key.colors.size() < 2) throw Impossible();
     for (vrml::Color& color : key.colors) color = checked(color);
     mesh.color_key = std::move(key);
+  }
+  TimeSteps steps{from.list<double>(), 0};
+  steps.shown = static_cast<std::size_t>(from.value<std::uint64_t>());
+  if (!steps.times.empty()) {
+    if (!is_valid(steps)) throw Impossible();
+    mesh.steps = std::move(steps);
   }
   mesh.cut_short = from.truth();
   return mesh;

@@ -4,6 +4,7 @@
 #include "app/formats/confined/asset_transfer.h"
 #include "app/formats/content_types.h"
 #include "app/formats/datasets/dataset_formats.h"
+#include "app/formats/volume/volume_common.h"
 
 #include <algorithm>
 #include <chrono>
@@ -43,7 +44,8 @@ BytesResult file_for_child(const ImportSource& source, const std::string& refere
 
 std::variant<std::vector<std::byte>, std::string> import_by_child(const ContentType& type, const ImportSource& source) {
   DecoderPool& pool = DecoderPool::of_program();
-  const DecoderKind kind = type.read == read_dataset_mesh ? DecoderKind::dataset_meshes : DecoderKind::pictures;
+  const bool with_module = type.read == read_dataset_mesh && needs_dataset_module(source.path, source.bytes);
+  const DecoderKind kind = with_module ? DecoderKind::dataset_meshes : DecoderKind::pictures;
   auto process = pool.take(kind);
   const std::vector<std::byte> header = transfer_bytes(import_request(type, source));
   if (!process->load(header, source.bytes)) return std::string("no memory to read it");

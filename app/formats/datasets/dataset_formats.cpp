@@ -2,6 +2,7 @@
 
 #include "app/base/local_file.h"
 #include "app/formats/datasets/arrays/dataset_module.h"
+#include "app/formats/datasets/vtk/vtk_datasets.h"
 #include "app/formats/dicom/dicom_datasets.h"
 #include "app/formats/tiff/tiff_datasets.h"
 #include "base/gzip.h"
@@ -29,6 +30,7 @@ VolumeFile volume_file(const ImportSource& source) {
 DatasetFileResult open_any_dataset_file(const VolumeFile& file) {
   if (is_dicom(file.content.bytes)) return open_dicom_datasets(file);
   if (is_tiff(file.content.bytes)) return open_tiff_datasets(file);
+  if (is_vtk_datasets(file.content.bytes)) return open_vtk_datasets(file);
   const auto format = dataset_format_of(file.name, file.content.bytes);
   if (!format) return std::string("the first bytes are not those of a file of datasets; the file may be damaged");
   return open_dataset_file(*format, file);
@@ -73,7 +75,8 @@ VolumeResult open_datasets(const VolumeFile& file) {
 }
 
 bool has_datasets(const ContentType& type) {
-  return type.holds_mesh || type.mime == "application/dicom" || type.mime == "image/tiff";
+  return type.holds_mesh || type.read == read_dataset_mesh || type.mime == "application/dicom" ||
+         type.mime == "image/tiff" || type.mime.starts_with("application/x-vtk-");
 }
 
 bool holds_dataset_mesh(const ImportSource& source) {
@@ -112,7 +115,7 @@ bool needs_dataset_module(std::string_view path, std::span<const std::byte> byte
         std::initializer_list<std::string_view>{".h5.gz", ".hdf5.gz", ".hdf.gz", ".nc.gz", ".xdmf.gz"},
         [&](std::string_view end) { return name.ends_with(end); });
   }
-  if (is_tiff(bytes) || is_dicom(bytes)) return true;
+  if (is_tiff(bytes) || is_dicom(bytes) || needs_module_for_vtk(bytes)) return true;
   const auto format = dataset_format_of(path, bytes);
   return format == DatasetFormat::hdf5 || format == DatasetFormat::xdmf || format == DatasetFormat::zarr;
 }
@@ -129,7 +132,11 @@ void prepare_datasets(const std::string& path) {
 }
 
 std::variant<std::vector<DatasetEntry>, std::string> list_datasets(const ImportSource& source) {
-  auto opened = open_any_dataset_file(volume_file(source));
+  return list_datasets(volume_file(source));
+}
+
+std::variant<std::vector<DatasetEntry>, std::string> list_datasets(const VolumeFile& file) {
+  auto opened = open_any_dataset_file(file);
   if (auto* const problem = std::get_if<std::string>(&opened)) return std::move(*problem);
   return std::get<std::unique_ptr<DatasetFile>>(opened)->entries();
 }

@@ -18,6 +18,7 @@ namespace gs::app {
 
 /// Lists the datasets of a file that open_dataset_file() opens. Returns a message on failure.
 [[nodiscard]] std::variant<std::vector<DatasetEntry>, std::string> list_datasets(const ImportSource& source);
+[[nodiscard]] std::variant<std::vector<DatasetEntry>, std::string> list_datasets(const VolumeFile& file);
 
 /// Loads the module for scientific formats. Files that need it report problems.
 void load_datasets();

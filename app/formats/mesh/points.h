@@ -28,4 +28,10 @@ namespace gs::app {
 [[nodiscard]] ImportedVectors import_points_xyz(std::span<const std::byte> bytes,
                                                 const WorldBudget& budget = own_budget());
 
+/// Imports PCD of the Point Cloud Library with normal_x, normal_y and normal_z, and perhaps rgb or rgba.
+[[nodiscard]] ImportedVectors import_points_pcd(std::span<const std::byte> bytes,
+                                                const WorldBudget& budget = own_budget());
+/// Returns true if a PCD file has normals.
+[[nodiscard]] bool is_points_pcd(std::span<const std::byte> bytes);
+
 }  // namespace gs::app

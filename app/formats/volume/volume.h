@@ -68,6 +68,7 @@ struct VolumeFormatName {
   bool (*sniff)(std::span<const std::byte> bytes) = nullptr;  // tests the first bytes; null if only the name decides
   std::string_view mime = "application/x-volume";
   UpRule up = UpRule::y;  // rule for the up axis, unless the file defines it
+  bool belongs_to_others = false;  // as ContentType::belongs_to_others
 };
 [[nodiscard]] std::span<const VolumeFormatName> volume_format_names();
 

@@ -138,6 +138,13 @@ struct VolumeFormat {
 [[nodiscard]] bool is_hdf5(std::span<const std::byte> bytes);
 [[nodiscard]] bool is_classic_netcdf(std::span<const std::byte> bytes);
 [[nodiscard]] bool is_xdmf(std::span<const std::byte> bytes);
+[[nodiscard]] bool is_vts(std::span<const std::byte> bytes);
+[[nodiscard]] bool is_vtr(std::span<const std::byte> bytes);
+[[nodiscard]] bool is_vtp(std::span<const std::byte> bytes);
+[[nodiscard]] bool is_vtu(std::span<const std::byte> bytes);
+[[nodiscard]] bool is_vtm(std::span<const std::byte> bytes);
+[[nodiscard]] bool is_pvd(std::span<const std::byte> bytes);
+[[nodiscard]] bool is_vtk_series(std::span<const std::byte> bytes);
 /// Returns true if the bytes begin like a metadata file of Zarr or N5, or like a ZIP archive of Zarr.
 [[nodiscard]] bool is_zarr(std::span<const std::byte> bytes);
 /// Returns the path of a metadata file of Zarr or N5 in a folder of this machine, through which its container is

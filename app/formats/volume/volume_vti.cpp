@@ -60,13 +60,13 @@ std::optional<std::string> place(const VtkXmlHeader& header, bool of_points, qnv
 
 }  // namespace
 
-bool is_vti(std::span<const std::byte> bytes) { return is_vtk_xml(bytes, "ImageData"); }
-
 VolumeResult open_vti(const VolumeFile& file) {
+  // Pieces, in other files or in this one, and chosen arrays are those of datasets.
+  if (!file.component.dataset.empty() || is_vtk_xml(file.content.bytes, "PImageData")) return open_datasets(file);
   auto read = read_vtk_xml(file.content.bytes, "ImageData");
   if (auto* problem = std::get_if<std::string>(&read)) return std::move(*problem);
   const VtkXmlHeader& header = std::get<VtkXmlHeader>(read);
-  if (header.piece_count > 1) return std::to_string(header.piece_count) + " pieces; expected one";
+  if (header.piece_count > 1) return open_datasets(file);
   const VtkArray* array = choose(header);
   if (!array) return std::string("no numeric DataArray in PointData or CellData");
   qnv::VolumeLayout layout;

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <memory>
@@ -90,10 +91,15 @@ void take_text(void* user, const XML_Char* text, int length) {
 }
 
 std::optional<VtkSection> section_of(std::string_view element) {
-  static constexpr std::pair<std::string_view, VtkSection> kSections[] = {
-      {"PointData", VtkSection::point_data}, {"CellData", VtkSection::cell_data}, {"Points", VtkSection::points},
-      {"Verts", VtkSection::vertices},       {"Lines", VtkSection::lines},        {"Strips", VtkSection::strips},
-      {"Polys", VtkSection::polygons},       {"Cells", VtkSection::cells}};
+  static constexpr std::pair<std::string_view, VtkSection> kSections[] = {{"PointData", VtkSection::point_data},
+                                                                          {"CellData", VtkSection::cell_data},
+                                                                          {"Points", VtkSection::points},
+                                                                          {"Verts", VtkSection::vertices},
+                                                                          {"Lines", VtkSection::lines},
+                                                                          {"Strips", VtkSection::strips},
+                                                                          {"Polys", VtkSection::polygons},
+                                                                          {"Cells", VtkSection::cells},
+                                                                          {"Coordinates", VtkSection::coordinates}};
   for (const auto& [name, section] : kSections)
     if (name == element) return section;
   return std::nullopt;
@@ -133,7 +139,7 @@ void begin_element(void* user, const XML_Char* element, const XML_Char** attribu
     header.byte_order = lower_case(attribute(attributes, "byte_order", "littleendian"));
     header.header_type = lower_case(attribute(attributes, "header_type", "uint32"));
     header.compressor = lower_case(attribute(attributes, "compressor"));
-  } else if (name == "ImageData") {
+  } else if (name == "ImageData" || name == "RectilinearGrid" || name == "StructuredGrid") {
     header.whole_extent = attribute(attributes, "WholeExtent");
     header.origin = attribute(attributes, "Origin");
     header.spacing = attribute(attributes, "Spacing");
@@ -207,6 +213,7 @@ class VtkData {
       : wide_(header.header_type == "uint64"),
         big_endian_(header.byte_order == "bigendian"),
         packed_(!header.compressor.empty()),
+        packing_(packing_of(header.compressor)),
         base64_(base64),
         bytes_(std::move(bytes)),
         budget_(std::move(budget)) {}
@@ -253,7 +260,16 @@ class VtkData {
   }
   static_assert(std::endian::native == std::endian::little);
 
-  // Decompresses zlib blocks. The header has the number of blocks, the uncompressed size of a block, that of the last
+  [[nodiscard]] static std::optional<VtkPacking> packing_of(std::string_view compressor) {
+    if (compressor == "vtklz4datacompressor") return VtkPacking::lz4;
+    if (compressor == "vtklzmadatacompressor") return VtkPacking::lzma;
+    return std::nullopt;
+  }
+  [[nodiscard]] std::optional<std::string> unpack(std::span<const std::byte> from, std::span<std::byte> to) const {
+    return packing_ ? unpack_vtk_block(*packing_, from, to) : unpack_into(from, to, budget_);
+  }
+
+  // Decompresses blocks. The header has the number of blocks, the uncompressed size of a block, that of the last
   // block (0 means a full block), and the compressed size of each block.
   [[nodiscard]] BytesResult unpacked(std::uint64_t size) {
     const std::uint64_t word = wide_ ? 8 : 4, most_blocks = bytes_.bytes.size() / word;
@@ -274,16 +290,24 @@ class VtkData {
     const std::uint64_t begin = (3 + blocks) * word;
     const SharedBytes all = first(begin + packed);
     if (all.bytes.size() < begin + packed) return std::string("the blocks of the array are truncated");
-    auto memory = voxel_memory(packed, size, budget_);
+    // Blocks of LZMA may expand more than those of zlib.
+    auto memory = voxel_memory(packing_ == VtkPacking::lzma ? std::max(packed, size) : packed, size, budget_);
     if (auto* problem = std::get_if<std::string>(&memory)) return std::move(*problem);
     auto& out = std::get<VoxelMemory>(memory);
     std::uint64_t made = 0, from = begin;
     for (std::uint64_t i = 0; i < blocks && made < size; ++i) {
       const std::uint64_t length = number_at(table.bytes, 3 + i);
       const std::uint64_t whole = i + 1 == blocks && last != 0 ? last : block, part = std::min(whole, size - made);
-      if (const auto problem =
-              unpack_into(all.bytes.subspan(from, length), std::span(out.bytes).subspan(made, part), budget_))
+      const std::span<const std::byte> stored = all.bytes.subspan(from, length);
+      if (packing_ && part < whole) {
+        // These blocks are unpacked as a whole.
+        if (whole > std::max<std::uint64_t>(size, kMostBlock)) return std::string("a block of the array is too large");
+        std::vector<std::byte> block_bytes(static_cast<std::size_t>(whole));
+        if (const auto problem = unpack(stored, block_bytes)) return *problem;
+        std::copy_n(block_bytes.begin(), part, out.bytes.begin() + static_cast<std::ptrdiff_t>(made));
+      } else if (const auto problem = unpack(stored, std::span(out.bytes).subspan(made, part))) {
         return *problem;
+      }
       from += length;
       made += part;
     }
@@ -292,7 +316,11 @@ class VtkData {
     return shared_bytes(std::move(out));
   }
 
-  bool wide_, big_endian_, packed_, base64_;
+  static constexpr std::uint64_t kMostBlock = std::uint64_t{64} << 20;
+
+  bool wide_, big_endian_, packed_;
+  std::optional<VtkPacking> packing_;  // nullopt: zlib
+  bool base64_;
   SharedBytes bytes_;
   WorldBudget budget_;
   std::optional<std::string> refused_;  // message if the budget was exceeded
@@ -319,9 +347,65 @@ std::variant<VtkXmlHeader, std::string> read_vtk_xml(std::span<const std::byte> 
       return "line " + std::to_string(XML_GetCurrentLineNumber(parser.get())) +
              " is not XML: " + XML_ErrorString(XML_GetErrorCode(parser.get()));
   }
-  if (parse.header.type != type)
+  if (!type.empty() && parse.header.type != type)
     return "the VTKFile is of the type '" + parse.header.type.substr(0, 80) + "'; expected " + std::string(type);
   return std::move(parse.header);
+}
+
+std::optional<VtkExtent> vtk_extent(std::string_view text) {
+  constexpr double kMost = 1e9;
+  const std::vector<double> numbers = numbers_of(text, 6);
+  VtkExtent extent{};
+  if (numbers.size() != extent.size()) return std::nullopt;
+  for (std::size_t i = 0; i < extent.size(); ++i) {
+    if (!(std::abs(numbers[i]) <= kMost) || numbers[i] != std::trunc(numbers[i])) return std::nullopt;
+    extent[i] = static_cast<std::int64_t>(numbers[i]);
+    if (i % 2 == 1 && extent[i] < extent[i - 1]) return std::nullopt;
+  }
+  return extent;
+}
+
+VtkGridAxes vtk_grid_axes(const SharedBytes& file, const VtkXmlHeader& header, std::size_t piece,
+                          const VtkExtent& extent, const WorldBudget& budget) {
+  constexpr std::int64_t kLongest = std::int64_t{1} << 24;
+  VtkGridAxes axes;
+  std::vector<const VtkArray*> stored;
+  for (const VtkArray& array : header.arrays)
+    if (array.section == VtkSection::coordinates && array.piece == piece) stored.push_back(&array);
+  const bool image = header.type == "ImageData";
+  std::vector<double> origin = numbers_of(header.origin, 3), spacing = numbers_of(header.spacing, 3);
+  const std::vector<double> direction = numbers_of(header.direction, 9);
+  if (origin.size() != 3) origin = {0, 0, 0};
+  if (spacing.size() != 3) spacing = {1, 1, 1};
+  if (image && direction.size() == 9)
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 3; ++column)
+        axes.directions[column][row] = direction[static_cast<std::size_t>(row * 3 + column)];
+  if (image) axes.origin = glm::dvec3(origin[0], origin[1], origin[2]);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::int64_t count = extent[2 * i + 1] - extent[2 * i] + 1;
+    if (count > kLongest) {
+      axes.problem = "an axis has " + std::to_string(count) + " points; expected at most " + std::to_string(kLongest);
+      return axes;
+    }
+    if (!image && stored.size() != 3) {
+      axes.problem = std::to_string(stored.size()) + " Coordinates; expected those of x, y and z";
+      return axes;
+    }
+    if (image) {
+      for (std::int64_t k = 0; k < count; ++k)
+        axes.positions[i].push_back(spacing[i] * static_cast<double>(extent[2 * i] + k));
+      continue;
+    }
+    const auto values = vtk_values(file, header, *stored[i], static_cast<std::uint64_t>(count), budget);
+    if (const auto* const problem = std::get_if<std::string>(&values)) {
+      axes.problem = "the coordinates '" + stored[i]->name.substr(0, 80) + "': " + *problem;
+      return axes;
+    }
+    each_number(std::get<StoredVoxels>(values), static_cast<std::uint64_t>(count),
+                [&](double value) { axes.positions[i].push_back(value); });
+  }
+  return axes;
 }
 
 std::optional<StoredType> vtk_type_of(std::string_view name) {
@@ -343,8 +427,10 @@ std::variant<StoredVoxels, std::string> vtk_values(const SharedBytes& file, cons
   const std::span<const std::byte> bytes = file.bytes;
   const std::span<const std::byte> inside = bytes.subspan(array.begin, array.end - array.begin);
   if (array.format == "ascii") return voxels_of_text(inside, count, type, budget);
-  if (!header.compressor.empty() && header.compressor != "vtkzlibdatacompressor")
-    return "the compressor is '" + header.compressor.substr(0, 80) + "'; expected vtkZLibDataCompressor or none";
+  if (!header.compressor.empty() && header.compressor != "vtkzlibdatacompressor" &&
+      header.compressor != "vtklz4datacompressor" && header.compressor != "vtklzmadatacompressor")
+    return "the compressor is '" + header.compressor.substr(0, 80) +
+           "'; expected vtkZLibDataCompressor, vtkLZ4DataCompressor, vtkLZMADataCompressor or none";
   SharedBytes data{file.owner, inside};
   bool base64 = true;
   if (array.format == "appended") {

@@ -3,7 +3,11 @@
 #include "app/formats/volume/volume_common.h"
 #include "base/budget.h"
 
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -18,7 +22,17 @@
 /// Common parts of VTK XML readers: https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html
 namespace gs::app {
 
-enum class VtkSection : std::uint8_t { point_data, cell_data, points, vertices, lines, strips, polygons, cells };
+enum class VtkSection : std::uint8_t {
+  point_data,
+  cell_data,
+  points,
+  vertices,
+  lines,
+  strips,
+  polygons,
+  cells,
+  coordinates  // of the axes of a RectilinearGrid
+};
 
 /// DataArray element with the location of its values.
 struct VtkArray {
@@ -47,7 +61,8 @@ struct VtkXmlHeader {
 
 /// Returns true if a file with these first bytes is VTK XML of the type, such as "ImageData".
 [[nodiscard]] bool is_vtk_xml(std::span<const std::byte> bytes, std::string_view type);
-/// Parses the elements of a VTK XML file of this type. Returns a message on failure. Safe for untrusted bytes.
+/// Parses the elements of a VTK XML file of this type; an empty type allows any. Returns a message on failure. Safe for
+/// untrusted bytes.
 [[nodiscard]] std::variant<VtkXmlHeader, std::string> read_vtk_xml(std::span<const std::byte> bytes,
                                                                    std::string_view type);
 /// Returns the number type for a lower-case type name, or nullopt if the name is not that of a numeric type.
@@ -58,6 +73,29 @@ struct VtkXmlHeader {
 [[nodiscard]] std::variant<StoredVoxels, std::string> vtk_values(const SharedBytes& file, const VtkXmlHeader& header,
                                                                  const VtkArray& array, std::uint64_t count,
                                                                  const WorldBudget& budget);
+
+/// Numbers of the first and the last point along x, y and z: first x, last x, first y, ...
+using VtkExtent = std::array<std::int64_t, 6>;
+/// Returns the extent in a text of six whole numbers; nullopt if it is damaged or has no points.
+[[nodiscard]] std::optional<VtkExtent> vtk_extent(std::string_view text);
+
+/// Positions of the points of an ImageData or RectilinearGrid along its axes. A point is directions * position +
+/// origin.
+struct VtkGridAxes {
+  std::array<std::vector<double>, 3> positions;
+  glm::dmat3 directions{1};
+  glm::dvec3 origin{0};
+  std::string problem;  // message if they cannot be read, or none
+};
+/// Returns the positions of the points of a piece within an extent.
+[[nodiscard]] VtkGridAxes vtk_grid_axes(const SharedBytes& file, const VtkXmlHeader& header, std::size_t piece,
+                                        const VtkExtent& extent, const WorldBudget& budget);
+
+/// Compression of the blocks of an array, apart from zlib.
+enum class VtkPacking : std::uint8_t { lz4, lzma };
+/// Unpacks a block that must fill `to`, with the module for scientific formats. Returns a message on failure.
+[[nodiscard]] std::optional<std::string> unpack_vtk_block(VtkPacking packing, std::span<const std::byte> from,
+                                                          std::span<std::byte> to);
 
 template <class T, class Take>
 void each_stored(const StoredVoxels& values, std::uint64_t count, Take take) {

@@ -12,14 +12,14 @@ constexpr float kPolyCreaseAngle = 0.5f;  // crease angle in radians for files w
 
 class PolyBuilder {
  public:
-  PolyBuilder(PolyData data, MeshBuilder& builder) : data_(std::move(data)), builder_(builder) {
+  PolyBuilder(PolyBlock block, const std::optional<ColorKey>& key, MeshBuilder& builder)
+      : name_(std::move(block.name)), data_(std::move(block.data)), builder_(builder) {
     by_cell_ = data_.of_points.empty() && !data_.of_cells.empty();
     PolyData::Data& shown = by_cell_ ? data_.of_cells : data_.of_points;
-    if (shown.colors.empty() && !shown.values.empty()) {
-      key_ = color_key_over(shown.values, viridis_colors(), shown.title);
+    if (key && shown.colors.empty() && !shown.values.empty()) {
       builder_.draw(shown.values.size() * sizeof(vrml::Color));
       shown.colors.reserve(shown.values.size());
-      for (const float value : shown.values) shown.colors.push_back(key_->color_of(static_cast<double>(value)));
+      for (const float value : shown.values) shown.colors.push_back(key->color_of(static_cast<double>(value)));
     }
     colors_ = std::move(shown.colors);
   }
@@ -33,7 +33,6 @@ class PolyBuilder {
     faces();
     lines();
     points(cells == 0);
-    if (key_) builder_.set_color_key(*key_);
   }
 
  private:
@@ -60,7 +59,7 @@ class PolyBuilder {
     Look look;
     if (geometry.kind != Geometry::Kind::faces) look = glowing(look);
     builder_.draw(geometry.positions.size() * sizeof(glm::vec3));
-    builder_.add(std::move(geometry), look);
+    builder_.add(std::move(geometry), look, name_);
   }
 
   void faces() {
@@ -150,17 +149,47 @@ class PolyBuilder {
     show(std::move(geometry));
   }
 
+  std::string name_;
   PolyData data_;
   MeshBuilder& builder_;
   std::array<std::size_t, PolyData::kKinds> first_cell_{};
   std::vector<vrml::Color> colors_;  // colours of points or cells; empty if there are none
   bool by_cell_ = false;
-  std::optional<ColorKey> key_;
   std::size_t omitted_polygons_ = 0;
 };
 
+/// Returns the key for the values of all blocks; nullopt if none has values without colours.
+std::optional<ColorKey> key_of_blocks(std::span<const PolyBlock> blocks) {
+  std::vector<float> ends;
+  const std::string* title = nullptr;
+  for (const PolyBlock& block : blocks) {
+    const PolyData::Data& shown = block.data.shown();
+    if (!shown.colors.empty() || shown.values.empty()) continue;
+    if (!title) title = &shown.title;
+    std::optional<std::pair<float, float>> range;
+    for (const float value : shown.values) {
+      if (!std::isfinite(value)) continue;
+      if (!range) range.emplace(value, value);
+      range->first = std::min(range->first, value);
+      range->second = std::max(range->second, value);
+    }
+    if (range) ends.insert(ends.end(), {range->first, range->second});
+  }
+  return title ? std::optional(color_key_over(ends, viridis_colors(), *title)) : std::nullopt;
+}
+
 }  // namespace
 
-void build_poly_data(PolyData data, MeshBuilder& builder) { PolyBuilder(std::move(data), builder).run(); }
+void build_poly_data(PolyData data, MeshBuilder& builder) {
+  std::vector<PolyBlock> blocks;
+  blocks.push_back({{}, std::move(data)});
+  build_poly_blocks(std::move(blocks), builder);
+}
+
+void build_poly_blocks(std::vector<PolyBlock> blocks, MeshBuilder& builder) {
+  const std::optional<ColorKey> key = key_of_blocks(blocks);
+  for (PolyBlock& block : blocks) PolyBuilder(std::move(block), key, builder).run();
+  if (key) builder.set_color_key(*key);
+}
 
 }  // namespace gs::app

@@ -32,11 +32,22 @@ struct PolyData {
     [[nodiscard]] bool empty() const { return values.empty() && colors.empty(); }
   };
   Data of_points, of_cells;
+
+  /// Returns the data to show: those of points, else those of cells.
+  [[nodiscard]] const Data& shown() const { return of_points.empty() ? of_cells : of_points; }
+};
+
+/// Part of a surface, with a name for users, which may be empty.
+struct PolyBlock {
+  std::string name;
+  PolyData data;
 };
 
 /// Adds the data to the mesh: polygons and strips as faces, lines, vertices (or all points, if there are no cells) as
 /// points. Scalars are coloured with Viridis; point scalars take precedence over
 /// cell scalars. The colour key describes their range. Throws OutOfBudget.
 void build_poly_data(PolyData data, MeshBuilder& builder);
+/// Adds the blocks of a surface with their names. They share a colour key. Throws OutOfBudget.
+void build_poly_blocks(std::vector<PolyBlock> blocks, MeshBuilder& builder);
 
 }  // namespace gs::app

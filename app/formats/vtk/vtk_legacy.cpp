@@ -1,12 +1,16 @@
+#include "app/formats/vtk/vtk_legacy.h"
+
 #include "app/formats/common/content_type.h"
 #include "app/formats/common/text_cursor.h"
 #include "app/formats/volume/vtk_xml.h"
+#include "app/formats/vtk/bookkeeping.h"
 #include "app/formats/vtk/grid_cells.h"
 #include "app/formats/vtk/poly_data.h"
 #include "base/text.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -37,28 +41,41 @@ class LegacyImporter {
   LegacyImporter(std::span<const std::byte> bytes, MeshBuilder& builder)
       : cursor_(bytes), lines_(cursor_.next), builder_(builder) {}
 
-  void run() {
+  /// Returns an empty surface if the file has no points; `failed` tells that the file is of another kind.
+  PolyData run(bool& failed) {
+    failed = !read_head();
+    if (failed) return {};
+    while (problem_.empty() && next_line()) part();
+    if (!problem_.empty()) builder_.fail(problem_, place());
+    if (data_.points.empty()) return {};
+    if (grid_.cells.ends.empty()) {
+      remove_hidden_cells(ghost_cells_, ghost_points_, data_);
+    } else {
+      hide_cells(ghost_cells_, ghost_points_, grid_);
+      add_grid(grid_, data_, builder_);
+    }
+    return std::move(data_);
+  }
+
+ private:
+  bool read_head() {
     (void)cursor_.line();
     (void)cursor_.line();  // skip the title
     const std::string format = lower_case(std::string(trimmed(cursor_.line())));
     binary_ = format == "binary";
-    if (!binary_ && format != "ascii") return builder_.fail("expected ASCII or BINARY", {3, 1});
-    if (next_line() && word() == "dataset") {
-      const std::string dataset = word();
-      if (dataset != "polydata" && dataset != "unstructured_grid")
-        return builder_.fail("the DATASET is " + dataset.substr(0, 80) + "; expected POLYDATA or UNSTRUCTURED_GRID",
-                             place());
-    } else {
-      return builder_.fail("expected DATASET POLYDATA or UNSTRUCTURED_GRID", place());
+    if (!binary_ && format != "ascii") {
+      builder_.fail("expected ASCII or BINARY", {3, 1});
+      return false;
     }
-    while (problem_.empty() && next_line()) part();
-    if (!problem_.empty()) builder_.fail(problem_, place());
-    if (data_.points.empty()) return builder_.warn("no points in the file");
-    if (!grid_.cells.ends.empty()) add_grid(grid_, data_, builder_);
-    build_poly_data(std::move(data_), builder_);
+    if (!next_line() || word() != "dataset") {
+      builder_.fail("expected DATASET POLYDATA or UNSTRUCTURED_GRID", place());
+      return false;
+    }
+    const std::string dataset = word();
+    if (dataset == "polydata" || dataset == "unstructured_grid") return true;
+    builder_.fail("the DATASET is " + dataset.substr(0, 80) + "; expected POLYDATA or UNSTRUCTURED_GRID", place());
+    return false;
   }
-
- private:
   [[nodiscard]] SourceLocation place() { return lines_.location(cursor_.next); }
 
   // Moves to the next non-empty line. Returns false at the end of the file.
@@ -301,6 +318,8 @@ class LegacyImporter {
       problem_ = std::to_string(components) + " components; expected 1 to " + std::to_string(kMaxComponents);
       return;
     }
+    if (title == kGhostArray && components == 1) return flags(type);
+    if (is_bookkeeping(title)) rank = nothing;
     Rank& shown = of_points_ ? points_rank_ : cells_rank_;
     const bool better = rank < shown;
     PolyData::Data data;
@@ -330,6 +349,16 @@ class LegacyImporter {
     (of_points_ ? data_.of_points : data_.of_cells) = std::move(data);
   }
 
+  /// Reads the flags of hidden points or cells.
+  void flags(const std::string& type) {
+    draw_for(*rows_, 1);
+    GhostFlags& all = of_points_ ? ghost_points_ : ghost_cells_;
+    all.clear();
+    (void)numbers(type, *rows_, [&](double value) {
+      all.push_back(value > 0 && value < 256 ? static_cast<std::uint8_t>(value) : std::uint8_t{0});
+    });
+  }
+
   static constexpr std::uint64_t kBetweenStops = std::uint64_t{1} << 17;
 
   TextCursor cursor_;
@@ -341,6 +370,7 @@ class LegacyImporter {
   Rank points_rank_ = nothing, cells_rank_ = nothing;
   PolyData data_;
   GridCells grid_;
+  GhostFlags ghost_points_, ghost_cells_;
   std::string problem_;
 };
 
@@ -353,10 +383,18 @@ bool is_vtk_legacy(std::span<const std::byte> bytes) { return text_of(bytes).sta
 /// part. Layout: "VTK File Formats", Simple Legacy Formats (VTK User's Guide).
 void import_vtk_legacy(std::span<const std::byte> bytes, MeshBuilder& builder) {
   if (!is_vtk_legacy(bytes)) return builder.fail("expected '" + std::string(kLegacyMark) + "'", {1, 1});
-  LegacyImporter(bytes, builder).run();
+  bool failed = false;
+  PolyData data = LegacyImporter(bytes, builder).run(failed);
+  if (data.points.empty()) return failed ? void() : builder.warn("no points in the file");
+  build_poly_data(std::move(data), builder);
 }
 
 }  // namespace
+
+PolyData read_vtk_legacy(std::span<const std::byte> bytes, MeshBuilder& builder) {
+  bool failed = false;
+  return LegacyImporter(bytes, builder).run(failed);
+}
 
 extern constinit const ContentType kVtkLegacyFormat = mesh_type(
     "legacy VTK", "application/x-vtk", ".vtk ", is_vtk_legacy, read_mesh<import_vtk_legacy>, {.mark = kLegacyMark});

@@ -64,6 +64,7 @@ struct UiTools {
   double step_rate = 10;  // steps per second
   // File series.
   std::size_t files = 0, file = 0;  // number of files of the series, and index of the displayed one
+  std::optional<double> file_time;  // of the displayed step, if the series is that of the steps of a file
   bool playing = false;
   double rate = 25;  // files per second
   // Pictures.

@@ -211,7 +211,7 @@ void MeasurePanel::step_rows(const PanelFrame& frame, const UiTools& tools, UiTo
 }
 
 void MeasurePanel::series_rows(const PanelFrame& frame, const UiTools& tools, UiToolActions& actions) {
-  tool_label("Series", frame.scale);
+  tool_label(tools.file_time ? "Time" : "Series", frame.scale);
   if (ImGui::Button(tools.playing ? "Pause" : "Play")) actions.play = !tools.playing;
   ImGui::SameLine();
   if (ImGui::Button("<")) actions.file = tools.file > 0 ? tools.file - 1 : tools.files - 1;
@@ -220,12 +220,15 @@ void MeasurePanel::series_rows(const PanelFrame& frame, const UiTools& tools, Ui
   ImGui::SameLine();
   int file = static_cast<int>(tools.file) + 1;
   ImGui::SetNextItemWidth(tool_width());
-  if (ImGui::SliderInt("##file", &file, 1, static_cast<int>(tools.files)))
+  char format[48] = "%d";
+  if (tools.file_time) std::snprintf(format, sizeof format, "%%d: t = %.6g", *tools.file_time);
+  if (ImGui::SliderInt("##file", &file, 1, static_cast<int>(tools.files), format))
     actions.file = static_cast<std::size_t>(std::max(0, file - 1));
   tool_label("", frame.scale);
   auto rate = static_cast<float>(tools.rate);
   ImGui::SetNextItemWidth(tool_width());
-  if (ImGui::SliderFloat("##rate", &rate, 0.5f, 60, "%.3g files per second", ImGuiSliderFlags_Logarithmic))
+  if (ImGui::SliderFloat("##rate", &rate, 0.5f, 60, tools.file_time ? "%.3g steps per second" : "%.3g files per second",
+                         ImGuiSliderFlags_Logarithmic))
     actions.rate = static_cast<double>(rate);
 }
 

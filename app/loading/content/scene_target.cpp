@@ -30,6 +30,7 @@ void SceneTarget::refuse_size() {
 void SceneTarget::set_type(const ContentType& type) {
   LoadedWorld* const world = is_root_ ? loading_.results.world() : nullptr;
   if (!world) return;
+  world->type = type.name;
   world->up = type.up;
   world->authored = type.content == ContentClass::vrml;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/formats/common/color_key.h"
+#include "app/formats/common/time_steps.h"
 #include "app/formats/common/upright.h"
 #include "base/diagnostic.h"
 #include "render/image/image.h"
@@ -72,9 +73,11 @@ struct LoadedWorld {
   std::vector<OutsideFolder> outside;
   bool network_allowed = false;  // value of --allow-network; see session/documents/network_gate.h
   bool authored = true;  // true for an authored world; false for a measured or modelled object
+  std::string type;      // name of the content type of the opened file
   UpRule up = UpRule::y;  // up axis of files in this format
   std::optional<Upright> stated_up;  // up axis that the file itself defines
   std::optional<ColorKey> color_key;  // meaning of the surface colours, if the file defines it
+  std::optional<TimeSteps> steps;     // of a file with a surface that changes with time
   bool truncated = false;  // the file ends too early
   std::size_t bytes = 0;  // size of the opened file on disk, without references
   double parse_seconds = 0;  // parsing time of the opened file, without references

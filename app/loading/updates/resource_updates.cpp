@@ -15,6 +15,7 @@ LoadedWorld::~LoadedWorld() = default;
 Upright LoadedWorld::upright(const glm::vec3& size) const {
   constexpr float kFlat = 1e-3f;  // max ratio of depth to width or height of a picture
   Upright upright = stated_up.value_or(upright_of(up, size));
+  if (stated_up && has_slices(up)) upright = facing_flat(upright, size);
   const auto extent = [&](const glm::vec3& direction) { return glm::dot(glm::abs(direction), size); };
   const bool picture = extent(upright.front) <= kFlat * std::min(extent(upright.right()), extent(upright.up));
   upright.three_quarter = upright.three_quarter || (!authored && !picture);

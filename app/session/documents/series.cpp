@@ -6,6 +6,11 @@
 #include <utility>
 
 namespace gs::app {
+namespace {
+
+constexpr double kStepRate = 10;  // steps per second, as for volumes
+
+}  // namespace
 
 std::string SeriesList::file_of(const std::string& name) {
   if (const Series* known = find(name)) return known->files[known->wanted];
@@ -14,6 +19,23 @@ std::string SeriesList::file_of(const std::string& name) {
   Series& series = series_[name];
   series.files = std::move(*files);
   return series.files.front();
+}
+
+void SeriesList::set_steps(const std::string& name, const std::vector<double>& times, std::size_t shown) {
+  if (times.size() < 2 || shown >= times.size()) return;
+  const auto known = series_.find(name);
+  if (known != series_.end() && (known->second.times.empty() || known->second.times == times)) return;
+  Series series;
+  series.files.assign(times.size(), name);
+  series.times = times;
+  series.wanted = series.shown = shown;
+  series.rate = kStepRate;
+  series_[name] = std::move(series);
+}
+
+std::optional<std::size_t> SeriesList::step_of(const std::string& name) const {
+  const Series* const series = find(name);
+  return series && !series->times.empty() ? std::optional(series->wanted) : std::nullopt;
 }
 
 SeriesList::Series* SeriesList::find(const std::string& name) {

@@ -9,7 +9,8 @@
 namespace gs::app {
 
 /// Playback state of all series. A series consists of numbered files that are opened by one name, such as
-/// "run.%04d.vti". Bookkeeping only: reads no contents. All times are session times in seconds.
+/// "run.%04d.vti", or of the steps of one file. Bookkeeping only: reads no contents. All times are session times in
+/// seconds.
 class SeriesList {
  public:
   struct Series {
@@ -19,6 +20,7 @@ class SeriesList {
     bool playing = false;
     double rate = 25;  // files per second
     double due = 0;    // time from which `wanted` may be shown
+    std::vector<double> times{};  // of the steps of a single file; then `files` has its name once per step
   };
 
   /// Returns the path of the file to read for a name. For a name that is no series, returns the name itself. The first
@@ -27,6 +29,11 @@ class SeriesList {
   /// Returns the series of a name, or null if the name is not a series.
   [[nodiscard]] Series* find(const std::string& name);
   [[nodiscard]] const Series* find(const std::string& name) const;
+
+  /// Makes a series of the steps of a file with a changing surface. `shown` is the step that was read.
+  void set_steps(const std::string& name, const std::vector<double>& times, std::size_t shown);
+  /// Returns the step of the file to read for a name; nullopt without such steps.
+  [[nodiscard]] std::optional<std::size_t> step_of(const std::string& name) const;
 
   /// Returns true if the wanted file of a series must not be shown before a later time.
   [[nodiscard]] bool holds_back(const std::string& name, double now) const;

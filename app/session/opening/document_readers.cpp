@@ -49,7 +49,10 @@ void DocumentReaders::begin() {
     if (!reading) return;
     step_.frame.news = true;
     std::erase_if(failed_loads_, [&](const Loads& one) { return one.path == reading->path; });
-    auto reader = std::make_shared<WorldReader>(peers_.series.file_of(reading->path), load_, wake_);
+    LoadOptions load = load_;
+    if (const auto step = peers_.series.step_of(reading->path))
+      load.component.step = qnv::ShownStep{static_cast<std::uint32_t>(*step), std::nullopt};
+    auto reader = std::make_shared<WorldReader>(peers_.series.file_of(reading->path), std::move(load), wake_);
     readers_.push_back({std::move(*reading), std::move(reader), {}});
   }
 }
@@ -108,6 +111,7 @@ bool DocumentReaders::take_document(const Reader& from, WorldReader::News& news)
   peers_.questions.ask(path, document->world.outside);
   document->reader = from.reader;
   viewports_.loading().deliver(from.reading.number, document, viewports_.area().size());
+  if (const auto& steps = document->world.steps) peers_.series.set_steps(path, steps->times, steps->shown);
   if (peers_.series.arrived(path, step_.now)) viewports_.panes().reload(path);
   (void)apply_updates(*document, path, std::move(news));
   return true;

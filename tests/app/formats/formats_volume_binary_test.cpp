@@ -282,7 +282,7 @@ TEST_CASE("reports VTI files with unexpected content") {
   CHECK(problem(vti("", "", "")).find("DataArray") != std::string::npos);
   CHECK(problem(vti(array, "", "")).find("AppendedData") != std::string::npos);
   CHECK(problem(vti(array, "<AppendedData encoding=\"raw\">_\x05", "")).find("ends") != std::string::npos);
-  CHECK(problem(vti(array, "<AppendedData encoding=\"raw\">_", "compressor=\"vtkLZ4DataCompressor\"")).find("lz4") !=
+  CHECK(problem(vti(array, "<AppendedData encoding=\"raw\">_", "compressor=\"vtkQ4DataCompressor\"")).find("q4") !=
         std::string::npos);
   const Bytes huge = words<std::uint64_t>(false, {~std::size_t{0}, ~std::size_t{0}, 1, 1});
   CHECK(problem(vti(array, "<AppendedData encoding=\"raw\">_" + string_of(huge),

@@ -80,4 +80,15 @@ TEST_CASE("restores the up axis of a stream, and omits the default of VRML97") {
   CHECK(metadata_of(upright_of(UpAxis::z)).size() == 1);
 }
 
+TEST_CASE("a single slice is seen face on, with its first row on top") {
+  const Upright face{{0, -1, 0}, {0, 0, -1}};
+  for (const UpRule rule : {UpRule::slices, UpRule::patient_s, UpRule::patient_r}) {
+    CHECK(upright_of(rule, {40, 30, 0}) == face);
+    CHECK_FALSE(upright_of(rule, {40, 30, 20}) == face);
+    CHECK_FALSE(upright_of(rule, {0, 0, 0}) == face);
+    CHECK(upright_of(rule, {0, 30, 20}).front == glm::vec3(1, 0, 0));
+  }
+  CHECK(upright_of(UpRule::y, {40, 30, 0}) == Upright{});
+}
+
 }  // namespace gs::app::upright_test

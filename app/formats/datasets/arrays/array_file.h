@@ -89,11 +89,11 @@ struct PictureDecoder {
 };
 
 /// Compression of chunks that the program finds in files itself.
-enum class ChunkCodec : std::uint8_t { blosc, lz4, bzip2, xz };
+enum class ChunkCodec : std::uint8_t { blosc, lz4, bzip2, xz, lz4_block };
 
 /// Table of readers that the module exports, under the name kDatasetModuleEntry.
 struct DatasetModule {
-  static constexpr std::uint32_t kVersion = 2;  // changes with this header
+  static constexpr std::uint32_t kVersion = 3;  // changes with this header
   std::uint32_t version = kVersion;
   std::span<const ArrayReader> readers;
   std::span<const PictureDecoder> pictures;

@@ -157,6 +157,7 @@ void exodus_mesh(DatasetTree& tree, const DatasetEntry& entry, const VoxelCompon
   if (step >= std::max<std::size_t>(steps, 1))
     return builder.fail("no step " + std::to_string(step) + "; expected 0 to " +
                         std::to_string(std::max<std::size_t>(steps, 1) - 1));
+  if (steps > 1 && shown) builder.set_steps({*times, step});
   if (steps > 1 && !choice.step && shown)
     builder.note("step 0 of " + std::to_string(steps) + " is shown (--time chooses another)");
   PolyData data;

@@ -7,14 +7,6 @@
 
 namespace gs::app {
 
-bool is_bookkeeping(std::string_view name) {
-  const std::string lower = lower_case(name);
-  static constexpr std::string_view kParts[] = {"vtkoriginal",   "vtkghost",    "globalnodeid",     "globalelementid",
-                                                "globalid",      "pedigree",    "objectid",         "processid",
-                                                "vtkvalidpoint", "originalids", "vtkcompositeindex"};
-  return std::ranges::any_of(kParts, [&](std::string_view part) { return lower.find(part) != std::string::npos; });
-}
-
 void append_values(std::span<const double> numbers, std::size_t parts, PolyData::Data& data) {
   if (parts == 0) return;
   data.values.reserve(data.values.size() + numbers.size() / parts);

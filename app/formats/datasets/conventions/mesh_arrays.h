@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/formats/vtk/bookkeeping.h"
 #include "app/formats/vtk/poly_data.h"
 
 #include <cstddef>
@@ -11,9 +12,6 @@
 
 // Parts of readers that make meshes of arrays.
 namespace gs::app {
-
-/// Returns true if the name of an array tells that programs number points and cells with it, so that it is no result.
-[[nodiscard]] bool is_bookkeeping(std::string_view name);
 
 /// Appends values of points or cells: single numbers, or the lengths of vectors of `parts` numbers. Numbers without a
 /// whole vector are ignored.

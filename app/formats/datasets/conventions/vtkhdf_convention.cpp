@@ -1,5 +1,6 @@
 #include "app/formats/datasets/conventions/conventions_table.h"
 #include "app/formats/datasets/conventions/mesh_arrays.h"
+#include "app/formats/datasets/conventions/vtkhdf_amr.h"
 #include "app/formats/vtk/grid_cells.h"
 
 #include <algorithm>
@@ -14,6 +15,7 @@ namespace {
 
 constexpr std::string_view kPointFolder = "/VTKHDF/PointData", kCellFolder = "/VTKHDF/CellData";
 constexpr const char* kRootPath = "/VTKHDF";
+constexpr std::string_view kAmrType = "OverlappingAMR";
 
 std::string vtkhdf_type(DatasetTree& tree) {
   const std::string stated = tree.text(kRootPath, "Type");
@@ -67,6 +69,8 @@ class VtkhdfMesh {
     for (const Progress& one : progress) cell_data += grid && &one != progress.data() ? 0 : one.cell;
     const std::string data_offsets = of_points ? "PointDataOffsets/" : "CellDataOffsets/";
     double data_row = offset(data_offsets + name_of_path(shown_), 0, of_points ? point : cell_data);
+    double ghost_point = offset("PointDataOffsets/" + std::string(kGhostArray), 0, point);
+    double ghost_cell = offset("CellDataOffsets/" + std::string(kGhostArray), 0, cell_data);
     for (std::size_t part = 0; part < points.size() && !failed_; ++part) {
       const std::size_t first_point = data_.points.size();
       if (!add_points(point, points[part])) return;
@@ -76,6 +80,10 @@ class VtkhdfMesh {
         if (!add_cells(progress[kind], part, first_point, points[part], grid ? grid_.cells : data_.cells[kind], grid))
           return;
       }
+      add_flags(kPointFolder, ghost_point, points[part], ghost_points_);
+      add_flags(kCellFolder, ghost_cell, cells, ghost_cells_);
+      ghost_point += points[part];
+      ghost_cell += cells;
       if (of_points || of_cells) {
         const double rows = of_points ? points[part] : cells;
         add_data(data_row, rows, of_points ? data_.of_points : data_.of_cells);
@@ -90,7 +98,12 @@ class VtkhdfMesh {
       data_.of_cells = {};
       builder_.note("data of cells in several parts are not shown");
     }
-    if (grid) add_grid(grid_, data_, builder_);
+    if (grid) {
+      hide_cells(ghost_cells_, ghost_points_, grid_);
+      add_grid(grid_, data_, builder_);
+    } else if (points.size() == 1) {
+      remove_hidden_cells(ghost_cells_, ghost_points_, data_);
+    }
     build_poly_data(std::move(data_), builder_);
   }
 
@@ -115,6 +128,7 @@ class VtkhdfMesh {
       failed_ = true;
       return;
     }
+    if (times.size() == steps_) builder_.set_steps({times, static_cast<std::size_t>(step_)});
     if (steps_ > 1 && !choice_.step)
       builder_.note("step 0 of " + std::to_string(steps_) + " is shown (--time chooses another)");
     part_ = offset("PartOffsets", 0);
@@ -222,12 +236,25 @@ class VtkhdfMesh {
     append_values(*read, parts, data);
   }
 
+  /// Reads the flags of hidden points or cells, if the file has them.
+  void add_flags(std::string_view folder, double first, double rows, GhostFlags& flags) {
+    const std::string path = std::string(folder) + '/' + std::string(kGhostArray);
+    const ArrayInfo* const array = tree_.find(path);
+    if (!array || array->shape.size() != 1 || rows == 0 || failed_) return;
+    const auto read = numbers(path, first, rows);
+    if (!read) return;
+    builder_.draw(read->size());
+    for (const double flag : *read)
+      flags.push_back(flag > 0 && flag < 256 ? static_cast<std::uint8_t>(flag) : std::uint8_t{0});
+  }
+
   DatasetTree& tree_;
   std::string shown_;
   const VoxelComponent& choice_;
   MeshBuilder& builder_;
   PolyData data_;
   GridCells grid_;
+  GhostFlags ghost_points_, ghost_cells_;
   std::uint64_t steps_ = 0, step_ = 0, parts_ = 0;
   double part_ = 0;
   bool failed_ = false;
@@ -239,6 +266,7 @@ bool suits_vtkhdf(DatasetTree& tree) { return tree.has_group(kRootPath) && !vtkh
 
 std::vector<DatasetEntry> list_vtkhdf(DatasetTree& tree) {
   const std::string type = vtkhdf_type(tree);
+  if (type == kAmrType) return list_vtkhdf_amr(tree);
   const bool image = type == "ImageData", mesh = type == "PolyData" || type == "UnstructuredGrid";
   std::vector<DatasetEntry> all;
   for (const ArrayInfo& array : tree.arrays()) {
@@ -260,7 +288,7 @@ std::vector<DatasetEntry> list_vtkhdf(DatasetTree& tree) {
       entry.rank = 2;
     } else if (!image && !mesh && (of_points || of_cells)) {
       entry.note = "VTKHDF of the type " + type.substr(0, 40) +
-                   " is not shown; expected ImageData, PolyData or UnstructuredGrid";
+                   " is not shown; expected ImageData, OverlappingAMR, PolyData or UnstructuredGrid";
     }
     all.push_back(std::move(entry));
   }
@@ -268,6 +296,7 @@ std::vector<DatasetEntry> list_vtkhdf(DatasetTree& tree) {
 }
 
 VolumeResult vtkhdf_volume(DatasetTree& tree, const DatasetEntry& entry, const VoxelComponent& choice) {
+  if (vtkhdf_type(tree) == kAmrType) return vtkhdf_amr_volume(tree, entry, choice);
   const ArrayInfo* const array = tree.find(entry.path);
   if (!array) return std::string("there is no such array");
   GridSpec spec;

@@ -101,6 +101,9 @@ class XdmfFile final : public DatasetFile {
   void mesh(std::size_t entry, const VoxelComponent& choice, MeshBuilder& builder) override {
     const auto step = chosen_step(choice);
     if (const auto* const problem = std::get_if<std::string>(&step)) return builder.fail(*problem);
+    TimeSteps all{{}, std::get<std::size_t>(step)};
+    for (const XdmfStep& one : steps_) all.times.push_back(one.time);
+    builder.set_steps(std::move(all));
     if (steps_.size() > 1 && !choice.step)
       builder.note("step 0 of " + std::to_string(steps_.size()) + " is shown (--time chooses another)");
     PolyData data;

@@ -82,7 +82,8 @@ const XdmfElement* XdmfElement::child(std::string_view child_name) const {
   return nullptr;
 }
 
-std::variant<std::unique_ptr<XdmfElement>, std::string> parse_xdmf(std::span<const std::byte> bytes) {
+std::variant<std::unique_ptr<XdmfElement>, std::string> parse_xdmf(std::span<const std::byte> bytes,
+                                                                   std::string_view root) {
   const std::unique_ptr<std::remove_pointer_t<XML_Parser>, decltype(&XML_ParserFree)> parser(XML_ParserCreate(nullptr),
                                                                                              XML_ParserFree);
   if (!parser) return std::string("no memory for its text");
@@ -101,7 +102,7 @@ std::variant<std::unique_ptr<XdmfElement>, std::string> parse_xdmf(std::span<con
     return "line " + std::to_string(XML_GetCurrentLineNumber(parser.get())) + ": " +
            (parse.refusal ? parse.refusal : XML_ErrorString(XML_GetErrorCode(parser.get())));
   }
-  if (!parse.root || parse.root->name != "Xdmf") return std::string("the first element is not Xdmf");
+  if (!parse.root || parse.root->name != root) return "the first element is not " + std::string(root);
   return std::move(parse.root);
 }
 

@@ -26,8 +26,10 @@ struct XdmfElement {
   [[nodiscard]] const XdmfElement* child(std::string_view child_name) const;
 };
 
-/// Parses XML of limited depth and size without external entities. Returns a message with the line on failure.
-[[nodiscard]] std::variant<std::unique_ptr<XdmfElement>, std::string> parse_xdmf(std::span<const std::byte> bytes);
+/// Parses XML of limited depth and size without external entities. `root` is the name of its first element. Returns a
+/// message with the line on failure.
+[[nodiscard]] std::variant<std::unique_ptr<XdmfElement>, std::string> parse_xdmf(std::span<const std::byte> bytes,
+                                                                                 std::string_view root = "Xdmf");
 
 /// Includes of other parts of the file (xi:include with an xpointer that names a Grid) become copies of references:
 /// returns the children of `grid` with those that it includes.

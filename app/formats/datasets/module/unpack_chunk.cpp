@@ -19,14 +19,15 @@ bool unpack_chunk(ChunkCodec codec, std::span<const std::byte> from, std::span<s
       const int unpacked = blosc_decompress_ctx(from.data(), to.data(), to.size(), 1);
       return unpacked >= 0 && static_cast<std::size_t>(unpacked) == to.size();
     }
-    case ChunkCodec::lz4: {
+    case ChunkCodec::lz4:
+    case ChunkCodec::lz4_block: {
       // numcodecs: the length in 4 bytes, then one LZ4 block.
-      constexpr std::size_t kLength = 4;
+      const std::size_t length = codec == ChunkCodec::lz4 ? 4 : 0;
       constexpr std::size_t kMost = std::numeric_limits<int>::max();
-      if (from.size() < kLength || from.size() > kMost || to.size() > kMost) return false;
+      if (from.size() < length || from.size() > kMost || to.size() > kMost) return false;
       const int unpacked =
-          LZ4_decompress_safe(reinterpret_cast<const char*>(from.data() + kLength), reinterpret_cast<char*>(to.data()),
-                              static_cast<int>(from.size() - kLength), static_cast<int>(to.size()));
+          LZ4_decompress_safe(reinterpret_cast<const char*>(from.data() + length), reinterpret_cast<char*>(to.data()),
+                              static_cast<int>(from.size() - length), static_cast<int>(to.size()));
       return unpacked >= 0 && static_cast<std::size_t>(unpacked) == to.size();
     }
     case ChunkCodec::bzip2: {

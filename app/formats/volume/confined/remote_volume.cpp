@@ -19,6 +19,7 @@ constexpr std::size_t kMostBatchedFiles = 1'000'000;  // files of a container, w
 constexpr std::size_t kAheadBytes = std::size_t{1} << 20;
 constexpr std::size_t kMostAhead = 64;
 constexpr std::uint32_t kMostWasted = 2;
+constexpr const char* kImpossible = "the process that read it gave an impossible result";
 
 /// Volumes that have a child, the one that was used last in front.
 class VolumeChildren {
@@ -95,8 +96,15 @@ std::variant<std::vector<std::byte>, std::string> RemoteVolume::start() {
   return std::move(std::get<std::vector<std::byte>>(bytes));
 }
 
+DatasetList RemoteVolume::list() {
+  const std::lock_guard lock(mutex_);
+  auto started = start();
+  if (auto* const error = std::get_if<std::string>(&started)) return std::move(*error);
+  auto list = dataset_list_of(std::get<std::vector<std::byte>>(started));
+  return list ? std::move(*list) : DatasetList(kImpossible);
+}
+
 std::variant<qnv::VolumeSource, std::string> RemoteVolume::open(const std::shared_ptr<RemoteVolume>& self) {
-  static const std::string kImpossible = "the process that read it gave an impossible result";
   const std::lock_guard lock(self->mutex_);
   VolumeChildren::of_program().use(self.get());
   auto started = self->start();
@@ -107,7 +115,7 @@ std::variant<qnv::VolumeSource, std::string> RemoteVolume::open(const std::share
     return [self, number](std::uint32_t z, std::span<std::byte> to) { return self->read(number, z, to); };
   };
   auto reply = volume_reply_of(self->reply_, make);
-  if (!reply) return kImpossible;
+  if (!reply) return std::string(kImpossible);
   if (auto* const error = std::get_if<std::string>(&reply->volume)) {
     // The child states the name of the file in front.
     if (error->starts_with(self->path_ + ": ")) error->erase(0, self->path_.size() + 2);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/confined/decoder_process.h"
+#include "app/formats/volume/confined/confined_list.h"
 #include "app/formats/volume/confined/file_requests.h"
 #include "app/formats/volume/confined/volume_transfer.h"
 #include "app/formats/volume/volume.h"
@@ -30,6 +31,8 @@ class RemoteVolume : NonCopyable {
 
   /// Opens the volume in a child. Returns its sources, which `self` owns; or a message without the file name.
   [[nodiscard]] static std::variant<qnv::VolumeSource, std::string> open(const std::shared_ptr<RemoteVolume>& self);
+  /// Lists the datasets of the file in a child, for a request that `lists`.
+  [[nodiscard]] DatasetList list();
   /// Reads a slice of a source. Returns false on failure.
   [[nodiscard]] bool read(std::size_t source, std::uint32_t slice, std::span<std::byte> to);
   /// Returns a message about parts that could not be read so far; empty if there are none.

@@ -133,6 +133,7 @@ std::vector<std::byte> transfer_bytes(const VolumeRequest& request) {
   to.value(request.raw.spacing);
   write_component(to, request.component);
   to.value(request.left);
+  to.value<std::uint8_t>(request.lists);
   return to.take();
 }
 
@@ -150,6 +151,7 @@ std::optional<VolumeRequest> volume_request_of(std::span<const std::byte> bytes)
   request.raw.spacing = from.value<std::array<float, 3>>();
   request.component = read_component(from);
   request.left = from.value<BudgetLeft>();
+  request.lists = from.truth();
   return request;
 } catch (const Impossible&) {
   return std::nullopt;

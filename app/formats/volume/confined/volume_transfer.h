@@ -17,12 +17,13 @@
 // Bytes of requests and replies between this process and a child that keeps a volume open.
 namespace gs::app {
 
-/// Request to open a volume, without the bytes of its file.
+/// Request to open a volume, or to list the datasets of a file, without the bytes of the file.
 struct VolumeRequest {
   std::string path, name;  // location of the file; its name at the original source
   RawVolume raw{};
   VoxelComponent component{};
   BudgetLeft left{};
+  bool lists = false;
 };
 [[nodiscard]] std::vector<std::byte> transfer_bytes(const VolumeRequest& request);
 [[nodiscard]] std::optional<VolumeRequest> volume_request_of(std::span<const std::byte> bytes);

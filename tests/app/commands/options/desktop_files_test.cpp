@@ -28,7 +28,7 @@ TEST_CASE("lists every file type in the desktop entry, the thumbnailer and the M
     INFO(type.name << " " << type.mime);
     // Other programs keep the types that only an ambiguous file name indicates.
     const bool told = has(mime, "type=\"" + std::string(type.mime) + "\"");
-    CHECK((told || type.name == "raw voxels" || type.name == "points"));
+    CHECK((told || type.belongs_to_others || type.name == "raw voxels" || type.name == "points"));
     CHECK(has(entry, std::string(type.mime) + ";") == told);
     CHECK(has(thumbnailer, std::string(type.mime) + ";") == told);
   }
@@ -37,6 +37,8 @@ TEST_CASE("lists every file type in the desktop entry, the thumbnailer and the M
     CHECK(has(mime, part));
   for (const char* part : {"*.img", "*.raw", "*.hdr", "*.vol", "*.xyz"})
     CHECK_FALSE(has(mime, "\"" + std::string(part)));
+  CHECK(has(entry, "application/dicom;"));
+  CHECK_FALSE(has(entry, "image/tiff"));
   CHECK(has(entry, "Exec=ghostspace --reuse %U\n"));
   CHECK(has(entry, "x-scheme-handler/ghostspace;"));
   CHECK(has(thumbnailer, "--snapshot %o %i\n"));

@@ -57,4 +57,25 @@ TEST_CASE("shows a chosen file of a series at once, and stops the play") {
   CHECK(list.file_of(folder.path("none.%d.vti")) == folder.path("none.%d.vti"));
 }
 
+TEST_CASE("plays the steps of a file with a changing surface like files") {
+  SeriesList list;
+  CHECK_FALSE(list.step_of("run.pvd"));
+  list.set_steps("run.pvd", {0.5}, 0);
+  CHECK_FALSE(list.find("run.pvd"));
+  list.set_steps("run.pvd", {0.5, 1, 2}, 1);
+  CHECK(list.step_of("run.pvd") == 1);
+  CHECK(list.file_of("run.pvd") == "run.pvd");
+  CHECK(list.play("run.pvd", true, 10));
+  CHECK(list.step_of("run.pvd") == 2);
+  // The reading of the next step states the same steps, and changes nothing.
+  list.set_steps("run.pvd", {0.5, 1, 2}, 2);
+  CHECK(list.arrived("run.pvd", 10.1));
+  CHECK(list.step_of("run.pvd") == 0);
+  CHECK(list.show("run.pvd", 1, 11));
+  CHECK(list.step_of("run.pvd") == 1);
+  // The file has other steps now.
+  list.set_steps("run.pvd", {0.5, 1, 2, 3}, 1);
+  CHECK(list.find("run.pvd")->times.size() == 4);
+}
+
 }  // namespace gs::app::series_test
