@@ -330,7 +330,7 @@ bool can_transfer(const Asset& asset) {
          std::holds_alternative<qnv::Splats>(asset) || std::holds_alternative<qnv::Gaussians>(asset);
 }
 
-std::vector<std::byte> transfer_bytes(const Asset& asset, const Diagnostics& diagnostics) {
+std::vector<std::byte> transfer_bytes(const Asset& asset, const Diagnostics& diagnostics, const DatasetList& datasets) {
   TransferWriter to;
   to.value<std::uint64_t>(diagnostics.entries().size());
   for (const Diagnostic& one : diagnostics.entries()) {
@@ -339,6 +339,7 @@ std::vector<std::byte> transfer_bytes(const Asset& asset, const Diagnostics& dia
     to.value(one.location.column);
     to.text(one.message);
   }
+  write_datasets(to, datasets);
   if (const auto* const mesh = std::get_if<MeshAsset>(&asset)) {
     to.value(AssetTag::mesh);
     write(to, *mesh);
@@ -360,6 +361,8 @@ std::vector<std::byte> transfer_bytes(const Asset& asset, const Diagnostics& dia
 Asset asset_of(std::span<const std::byte> bytes, const ImportSource& source) try {
   TransferReader from(bytes);
   read_diagnostics(from, source);
+  DatasetList datasets = read_datasets(from);
+  if (source.component.found) *source.component.found = std::move(datasets);
   Asset asset = read_content(from, source);
   require_possible(from.empty());
   return asset;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 #include <utility>
+#include <variant>
 
 namespace gs::app {
 namespace {
@@ -16,7 +17,7 @@ class PolyBuilder {
     by_cell_ = data_.of_points.empty() && !data_.of_cells.empty();
     PolyData::Data& shown = by_cell_ ? data_.of_cells : data_.of_points;
     if (shown.colors.empty() && !shown.values.empty()) {
-      key_ = color_key_over(shown.values, viridis_colors(), shown.title);
+      key_ = color_key_of_choice(shown.values, shown.title, builder_.choice());
       builder_.draw(shown.values.size() * sizeof(vrml::Color));
       shown.colors.reserve(shown.values.size());
       for (const float value : shown.values) shown.colors.push_back(key_->color_of(static_cast<double>(value)));
@@ -160,6 +161,57 @@ class PolyBuilder {
 };
 
 }  // namespace
+
+double shown_number(std::span<const double> parts, const VoxelComponent& choice) {
+  if (parts.size() == 1) return parts[0];
+  if (choice.chosen && !choice.magnitude) return parts[std::min<std::size_t>(choice.index, parts.size() - 1)];
+  double square = 0;
+  for (const double part : parts) square += part * part;
+  return std::sqrt(square);
+}
+
+std::string part_text(std::size_t parts, const VoxelComponent& choice) {
+  if (parts <= 1) return {};
+  if (!choice.chosen || choice.magnitude) return " (length)";
+  return " [" + std::to_string(std::min<std::size_t>(choice.index, parts - 1)) + "]";
+}
+
+std::string entry_path(bool of_points, std::string_view name) {
+  return (of_points ? "/PointData/" : "/CellData/") + std::string(name);
+}
+
+DatasetEntry surface_entry(bool of_points, std::string_view name, std::uint64_t rows, std::uint64_t components,
+                           std::string_view type, std::string_view unit) {
+  DatasetEntry entry;
+  entry.path = entry_path(of_points, name);
+  entry.shape = {rows};
+  if (components > 1) entry.shape.push_back(components);
+  entry.type = type;
+  entry.unit = unit;
+  entry.form = DatasetForm::mesh;
+  entry.note = of_points ? "data of points" : "data of cells";
+  entry.is_minor = is_bookkeeping(name);
+  return entry;
+}
+
+bool choose_surface_entry(std::vector<DatasetEntry> entries, MeshBuilder& builder,
+                          const std::function<void(std::size_t entry)>& choose, std::string usual) {
+  const VoxelComponent& choice = builder.choice();
+  const auto chosen = choice.dataset.empty() ? std::variant<std::size_t, std::string>(std::size_t{0})
+                                             : choose_dataset(entries, choice.dataset);
+  if (!choice.dataset.empty() && std::holds_alternative<std::size_t>(chosen)) {
+    usual = entries[std::get<std::size_t>(chosen)].path;
+    choose(std::get<std::size_t>(chosen));
+  }
+  if (choice.found) {
+    *choice.found = {};
+    choice.found->entries = std::move(entries);
+    choice.found->shown = std::move(usual);
+  }
+  const auto* const problem = std::get_if<std::string>(&chosen);
+  if (problem) builder.fail(*problem);
+  return !problem;
+}
 
 void build_poly_data(PolyData data, MeshBuilder& builder) { PolyBuilder(std::move(data), builder).run(); }
 

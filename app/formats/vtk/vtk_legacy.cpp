@@ -54,11 +54,24 @@ class LegacyImporter {
     while (problem_.empty() && next_line()) part();
     if (!problem_.empty()) builder_.fail(problem_, place());
     if (data_.points.empty()) return builder_.warn("no points in the file");
+    if (!note_arrays()) return;
     if (!grid_.cells.ends.empty()) add_grid(grid_, data_, builder_);
     build_poly_data(std::move(data_), builder_);
   }
 
  private:
+  // Notes the arrays and the one that is shown. Reports a wrong choice and returns false.
+  bool note_arrays() {
+    if (cells_rank_ == chosen && points_rank_ != chosen) data_.of_points = {};
+    const bool by_cell = data_.of_points.empty() && !data_.of_cells.empty();
+    const Shown shown = shown_[by_cell ? 1 : 0];
+    if (!choose_surface_entry(
+            std::move(entries_), builder_, [](std::size_t) {}, shown.path))
+      return false;
+    if (builder_.choice().found) builder_.choice().found->components = shown.components;
+    return true;
+  }
+
   [[nodiscard]] SourceLocation place() { return lines_.location(cursor_.next); }
 
   // Moves to the next non-empty line. Returns false at the end of the file.
@@ -234,7 +247,7 @@ class LegacyImporter {
   }
 
   // Priority of point or cell data for display. The data with the lowest value are shown.
-  enum Rank : int { scalars, one_number, several, nothing };
+  enum Rank : int { chosen, scalars, one_number, several, nothing };
 
   void attribute(const std::string& keyword) {
     const std::string title = name();
@@ -295,7 +308,17 @@ class LegacyImporter {
     }
   }
 
+  // Reports whether the user chose this array, by "PointData/NAME" or a part of its end.
+  [[nodiscard]] bool is_chosen(const std::string& name) const {
+    const std::string& wanted = builder_.choice().dataset;
+    const std::string path = entry_path(of_points_, name);
+    return !wanted.empty() && (path == wanted || path.ends_with((wanted.front() == '/' ? "" : "/") + wanted));
+  }
+
   void values(const std::string& title, const std::string& type, std::uint64_t components, Rank rank, bool colors) {
+    entries_.push_back(surface_entry(of_points_, title, *rows_, components, type, {}));
+    if (is_chosen(title)) rank = chosen;
+    if (rank == chosen && builder_.choice().chosen) colors = false;
     constexpr std::uint64_t kMaxComponents = 64;
     if (components == 0 || components > kMaxComponents) {
       problem_ = std::to_string(components) + " components; expected 1 to " + std::to_string(kMaxComponents);
@@ -304,7 +327,7 @@ class LegacyImporter {
     Rank& shown = of_points_ ? points_rank_ : cells_rank_;
     const bool better = rank < shown;
     PolyData::Data data;
-    data.title = title.substr(0, 80) + (components > 1 && !colors ? " (length)" : "");
+    data.title = title.substr(0, 80) + (colors ? "" : part_text(components, builder_.choice()));
     if (better) draw_for(*rows_, colors ? sizeof(vrml::Color) : sizeof(float));
     std::array<double, kMaxComponents> parts{};
     std::size_t part = 0;
@@ -321,12 +344,11 @@ class LegacyImporter {
         data.colors.emplace_back(share(0), share(1), share(2));
         return;
       }
-      double length = 0;
-      for (std::size_t i = 0; i < components; ++i) length += parts[i] * parts[i];
-      data.values.push_back(static_cast<float>(components == 1 ? parts[0] : std::sqrt(length)));
+      data.values.push_back(static_cast<float>(shown_number(std::span(parts).first(components), builder_.choice())));
     });
     if (!better || (!whole && data.empty())) return;
     shown = rank;
+    shown_[of_points_ ? 0 : 1] = {entry_path(of_points_, title), components};
     (of_points_ ? data_.of_points : data_.of_cells) = std::move(data);
   }
 
@@ -339,6 +361,13 @@ class LegacyImporter {
   bool binary_ = false, of_points_ = true;
   std::optional<std::uint64_t> rows_;  // number of rows of point or cell data; nullopt before such a section
   Rank points_rank_ = nothing, cells_rank_ = nothing;
+  /// Array that is shown: its path in the list, and its numbers per row.
+  struct Shown {
+    std::string path;
+    std::uint64_t components = 1;
+  };
+  std::array<Shown, 2> shown_{};  // of points, of cells
+  std::vector<DatasetEntry> entries_;
   PolyData data_;
   GridCells grid_;
   std::string problem_;

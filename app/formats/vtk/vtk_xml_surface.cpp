@@ -24,8 +24,7 @@ class VtpImporter {
     if (header_.piece_count > header_.pieces.size())
       builder_.fail(std::to_string(header_.piece_count) + " pieces; the first " +
                     std::to_string(header_.pieces.size()) + " are read");
-    shown_of_points_ = chosen(VtkSection::point_data, header_.point_scalars);
-    if (!shown_of_points_) shown_of_cells_ = chosen(VtkSection::cell_data, header_.cell_scalars);
+    if (!choose()) return;
     for (std::size_t i = 0; i < header_.pieces.size(); ++i) piece(i);
     finish(data_.of_points, data_.points.size());
     std::size_t cells = grid_.types.size();
@@ -37,6 +36,40 @@ class VtpImporter {
   }
 
  private:
+  [[nodiscard]] bool is_data(const VtkArray& array) const {
+    const bool of_data = array.section == VtkSection::point_data || array.section == VtkSection::cell_data;
+    return of_data && vtk_type_of(array.type) && array.components > 0 && !is_normals(array);
+  }
+  // Lists the arrays, and chooses the one that the user wants, or a usual one. Reports a wrong choice and returns
+  // false.
+  bool choose() {
+    shown_of_points_ = chosen(VtkSection::point_data, header_.point_scalars);
+    if (!shown_of_points_) shown_of_cells_ = chosen(VtkSection::cell_data, header_.cell_scalars);
+    std::vector<DatasetEntry> entries;
+    std::vector<const VtkArray*> arrays;
+    std::uint64_t points = 0, cells = 0;
+    for (const VtkPiece& piece : header_.pieces) {
+      points += piece.points;
+      cells += piece.cells + piece.vertices + piece.lines + piece.polygons + piece.strips;
+    }
+    for (const VtkArray& array : header_.arrays) {
+      if (array.piece != 0 || !is_data(array)) continue;
+      const bool of_points = array.section == VtkSection::point_data;
+      entries.push_back(
+          surface_entry(of_points, array.name, of_points ? points : cells, array.components, array.type, array.units));
+      arrays.push_back(&array);
+    }
+    return choose_surface_entry(
+        entries, builder_,
+        [&](std::size_t entry) {
+          const bool of_points = arrays[entry]->section == VtkSection::point_data;
+          shown_of_points_ = of_points ? arrays[entry] : nullptr;
+          shown_of_cells_ = of_points ? nullptr : arrays[entry];
+        },
+        shown_of_points_ || shown_of_cells_
+            ? entry_path(shown_of_points_ != nullptr, (shown_of_points_ ? shown_of_points_ : shown_of_cells_)->name)
+            : std::string());
+  }
   // Chooses an array of a section: the array with the name `active`, else the first with one component, else the first.
   [[nodiscard]] const VtkArray* chosen(VtkSection section, const std::string& active) const {
     const VtkArray *single = nullptr, *first = nullptr;
@@ -126,10 +159,12 @@ class VtpImporter {
     if (!array || array->components == 0 || array->components > kMaxComponents || count > kMaxPolyPoints) return;
     const auto values = numbers(*array, count * array->components);
     if (!values) return;
-    const bool colors = array->type == "uint8" && (array->components == 3 || array->components == 4);
+    const bool colors =
+        array->type == "uint8" && (array->components == 3 || array->components == 4) && !builder_.choice().chosen;
+    if (builder_.choice().found) builder_.choice().found->components = array->components;
     builder_.draw(count * (colors ? sizeof(vrml::Color) : sizeof(float)));
     if (data.title.empty())
-      data.title = array->name.substr(0, 80) + (array->components > 1 ? " (length)" : "") +
+      data.title = array->name.substr(0, 80) + part_text(array->components, builder_.choice()) +
                    (array->units.empty() ? "" : " (" + array->units + ")");
     if (colors)
       data.colors.resize(first, {0.5f, 0.5f, 0.5f});
@@ -146,13 +181,8 @@ class VtpImporter {
         data.colors.emplace_back(share(0), share(1), share(2));
         return;
       }
-      double length = parts[0];
-      if (array->components > 1) {
-        length = 0;
-        for (std::size_t i = 0; i < array->components; ++i) length += parts[i] * parts[i];
-        length = std::sqrt(length);
-      }
-      data.values.push_back(static_cast<float>(length));
+      data.values.push_back(
+          static_cast<float>(shown_number(std::span(parts).first(array->components), builder_.choice())));
     });
   }
   // Fills up data that later pieces lack.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/formats/common/dataset_list.h"
 #include "app/formats/vtk/poly_data.h"
 
 #include <cstddef>
@@ -12,14 +13,13 @@
 // Parts of readers that make meshes of arrays.
 namespace gs::app {
 
-/// Returns true if the name of an array tells that programs number points and cells with it, so that it is no result.
-[[nodiscard]] bool is_bookkeeping(std::string_view name);
-
-/// Appends values of points or cells: single numbers, or the lengths of vectors of `parts` numbers. Numbers without a
-/// whole vector are ignored.
-void append_values(std::span<const double> numbers, std::size_t parts, PolyData::Data& data);
-/// Sets the title of values: name, "(length)" for vectors, and unit.
-void set_title(std::string_view name, std::size_t parts, std::string_view unit, PolyData::Data& data);
+/// Appends values of points or cells: single numbers, or of vectors of `parts` numbers the chosen number or the length.
+/// Numbers without a whole vector are ignored.
+void append_values(std::span<const double> numbers, std::size_t parts, const VoxelComponent& choice,
+                   PolyData::Data& data);
+/// Sets the title of values: name, "(length)" or component for vectors, and unit. Notes the number of components.
+void set_title(std::string_view name, std::size_t parts, std::string_view unit, const VoxelComponent& choice,
+               PolyData::Data& data);
 
 /// Appends points of `parts` coordinates each, 1 to 3.
 void append_points(std::span<const double> numbers, std::size_t parts, std::vector<glm::vec3>& points);

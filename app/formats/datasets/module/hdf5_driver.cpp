@@ -46,7 +46,7 @@ int compare_memory(const H5FD_t* one, const H5FD_t* other) {
 }
 
 herr_t query_memory(const H5FD_t*, unsigned long* flags) {
-  if (flags) *flags = 0;
+  if (flags) *flags = H5FD_FEAT_SUPPORTS_SWMR_IO;
   return 0;
 }
 
@@ -130,7 +130,9 @@ Hdf5Handle open_hdf5_bytes(std::span<const std::byte> bytes) {
   if (!properties || H5Pset_driver(properties.get(), memory_driver_id(), &memory) < 0 ||
       H5Pset_fclose_degree(properties.get(), H5F_CLOSE_STRONG) < 0)
     return {};
-  return {H5Fopen(kMemoryName, H5F_ACC_RDONLY, properties.get()), H5Fclose};
+  const hid_t opened = H5Fopen(kMemoryName, H5F_ACC_RDONLY, properties.get());
+  // A file that a program writes with SWMR opens only with SWMR.
+  return {opened >= 0 ? opened : H5Fopen(kMemoryName, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, properties.get()), H5Fclose};
 }
 
 }  // namespace gs::app

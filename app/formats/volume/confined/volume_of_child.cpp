@@ -19,7 +19,12 @@ class VolumeOfChild final : public OpenData {
     if (!known) return {};
     const WorldBudget budget = std::make_shared<Budget>(limits_of(known->left));
     VolumeReply reply;
-    reply.volume = open_volume_file(known->path, file, known->raw, {ask, known->name, known->component, files_by_asking(ask), folders_by_asking(ask)}, budget);
+    VoxelComponent component = known->component;
+    component.found = std::make_shared<DatasetList>();
+    reply.volume =
+        open_volume_file(known->path, file, known->raw,
+                         {ask, known->name, component, files_by_asking(ask), folders_by_asking(ask)}, budget);
+    reply.datasets = std::move(*component.found);
     reply.held = budget->used(Resource::volumes);
     std::vector<std::byte> bytes = transfer_bytes(reply);
     if (auto* const volume = std::get_if<qnv::VolumeSource>(&reply.volume)) {

@@ -158,6 +158,7 @@ std::optional<VolumeRequest> volume_request_of(std::span<const std::byte> bytes)
 std::vector<std::byte> transfer_bytes(const VolumeReply& reply) {
   TransferWriter to;
   to.value(reply.held);
+  write_datasets(to, reply.datasets);
   if (const auto* const error = std::get_if<std::string>(&reply.volume)) {
     to.value(ReplyTag::error);
     to.text(*error);
@@ -190,6 +191,7 @@ std::optional<VolumeReply> volume_reply_of(std::span<const std::byte> bytes, con
   TransferReader from(bytes);
   VolumeReply reply;
   reply.held = from.value<std::uint64_t>();
+  reply.datasets = read_datasets(from);
   const auto tag = from.value<std::uint8_t>();
   require_possible(tag <= static_cast<std::uint8_t>(ReplyTag::volume));
   if (static_cast<ReplyTag>(tag) == ReplyTag::error) {
