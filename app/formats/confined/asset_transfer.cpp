@@ -339,7 +339,6 @@ std::vector<std::byte> transfer_bytes(const Asset& asset, const Diagnostics& dia
     to.value(one.location.column);
     to.text(one.message);
   }
-  write_datasets(to, datasets);
   if (const auto* const mesh = std::get_if<MeshAsset>(&asset)) {
     to.value(AssetTag::mesh);
     write(to, *mesh);
@@ -355,15 +354,16 @@ std::vector<std::byte> transfer_bytes(const Asset& asset, const Diagnostics& dia
   } else {
     to.value(AssetTag::none);
   }
+  if (!datasets.entries.empty()) write_datasets(to, datasets);
   return to.take();
 }
 
 Asset asset_of(std::span<const std::byte> bytes, const ImportSource& source) try {
   TransferReader from(bytes);
   read_diagnostics(from, source);
-  DatasetList datasets = read_datasets(from);
-  if (source.component.found) *source.component.found = std::move(datasets);
   Asset asset = read_content(from, source);
+  DatasetList datasets = from.empty() ? DatasetList() : read_datasets(from);
+  if (source.component.found) *source.component.found = std::move(datasets);
   require_possible(from.empty());
   return asset;
 } catch (const Impossible&) {

@@ -15,7 +15,7 @@
 namespace gs::app {
 namespace {
 
-constexpr float kDataLabel = 76;  // at scale 1
+constexpr float kDataLabel = 88;  // at scale 1
 constexpr std::size_t kLongName = 60;
 
 float data_width() { return ImGui::GetContentRegionAvail().x; }
@@ -265,6 +265,14 @@ void DataPanel::color_rows(const UiData& data, VoxelComponent& choice) {
   ImGui::EndCombo();
 }
 
+void DataPanel::bar_row(const UiModel& model, UiToolActions& actions) {
+  if (!model.tools.bar) return;
+  data_label("Colour bar", frame_->scale);
+  bool bar = model.tools.color_bar;
+  if (ImGui::Checkbox("##bar", &bar)) actions.color_bar = bar;
+  frame_->tooltips.show("Shows the values of the colours beside the picture");
+}
+
 void DataPanel::add_popup(const char* id, const UiModel& model, UiDataActions& actions, bool over) {
   if (!ImGui::BeginPopup(id)) return;
   keep_popup();
@@ -332,6 +340,7 @@ void DataPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& a
     step_rows(data, choice, all.data);
     component_rows(data, choice);
     color_rows(data, choice);
+    bar_row(model, all.tools);
     if (!(choice == data.choice) && !all.data.choose) all.data.choose = choice;
     other_rows(model, all.data);
   }

@@ -23,6 +23,7 @@ class DataPanel final : public Panel {
   void step_rows(const UiData& data, VoxelComponent& choice, UiDataActions& actions);
   void component_rows(const UiData& data, VoxelComponent& choice);
   void color_rows(const UiData& data, VoxelComponent& choice);
+  void bar_row(const UiModel& model, UiToolActions& actions);
   void other_rows(const UiModel& model, UiDataActions& actions);
   void add_popup(const char* id, const UiModel& model, UiDataActions& actions, bool over);
   /// Records that a list is open. Call while drawing each one.

@@ -105,10 +105,13 @@ bool DocumentReaders::take_document(const Reader& from, WorldReader::News& news)
     failed_loads_.push_back({path, nullptr, from.reader->ledger()});
     if (failed_loads_.size() > kMaxFailed) failed_loads_.erase(failed_loads_.begin());
     // A file that is being written may be incomplete. The previous content stays, and the file is read again.
-    if (peers_.follower.note_failed(path))
+    if (peers_.follower.note_failed(path)) {
       (void)viewports_.panes().documents().fail(from.reading.number);
-    else
-      show_failed(from.reading.number, path, news.document->world.diagnostics);
+      if (!viewports_.panes().documents().document(path))
+        viewports_.loading().note_failure(path, "it cannot be read yet; it is read again while it is followed");
+      return true;
+    }
+    show_failed(from.reading.number, path, news.document->world.diagnostics);
     return true;
   }
   step_.frame.arrived.push_back(path);

@@ -168,11 +168,12 @@ void Follower::check() {
       constexpr double kLonger = 1.5;
       if (!version.empty()) file.version = version;
       file.changed = file.changed || changed;
+      if (changed) file.pause = kLeastWait;
       const double least = remote ? kLeastWaitForServers : kLeastWait;
       file.wait = changed ? least : std::min(file.wait * kLonger, remote ? kMostWaitForServers : kMostWait);
       file.due = step_.now + file.wait;
     }
-    if (file.changed && !viewports_.panes().documents().awaited(path)) {
+    if (file.changed && step_.now >= file.again && !viewports_.panes().documents().awaited(path)) {
       file.changed = false;
       reload(path, file);
     }
@@ -188,7 +189,7 @@ void Follower::check() {
 void Follower::reload(const std::string& path, File& file) {
   const std::string name = file_of_view(path);
   if (series_.find(name) && series_.refresh(name, file.newest)) step_.frame.news = true;
-  viewports_.panes().documents().reload_unedited(path);
+  viewports_.panes().documents().add(path);
 }
 
 std::optional<double> Follower::next_due() const {
@@ -196,15 +197,20 @@ std::optional<double> Follower::next_due() const {
   for (const std::string& path : visible()) {
     const auto found = files_.find(path);
     if (found == files_.end()) return step_.now;
-    if (!found->second.coming.valid()) next = std::min(next.value_or(found->second.due), found->second.due);
+    const File& file = found->second;
+    const double due = file.changed ? std::min(file.again, file.due) : file.due;
+    if (!file.coming.valid() || file.changed) next = std::min(next.value_or(due), due);
   }
   return next;
 }
 
 bool Follower::note_failed(const std::string& path) {
-  if (!follows(path) || !viewports_.panes().documents().document(path)) return false;
-  files_[path].changed = true;
-  files_[path].wait = kLeastWait;
+  if (!follows(path)) return false;
+  constexpr double kLonger = 1.5;
+  File& file = files_[path];
+  file.changed = true;
+  file.again = step_.now + file.pause;
+  file.pause = std::min(file.pause * kLonger, kMostWait);
   return true;
 }
 

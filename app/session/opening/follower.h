@@ -42,14 +42,15 @@ class Follower : NonCopyable {
   void check();
   /// Returns the time of the next check; nullopt if nothing visible is followed.
   [[nodiscard]] std::optional<double> next_due() const;
-  /// Notes that a changed file could not be read. Returns true if the former content stays and the file is read again.
+  /// Notes that a file could not be read. Returns true if it is followed; then it is read again after a while.
   [[nodiscard]] bool note_failed(const std::string& path);
 
  private:
   struct File {
     bool on = true, newest = true, changed = false;
     std::string version;
-    double wait = kLeastWait, due = 0;
+    double wait = kLeastWait, due = 0;     // seconds between checks; time of the next one
+    double pause = kLeastWait, again = 0;  // seconds after a failed reading; time from which it is read again
     std::future<std::string> coming;
   };
   [[nodiscard]] std::vector<std::string> visible() const;

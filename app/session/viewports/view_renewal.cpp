@@ -31,6 +31,9 @@ bool shows_other_data(const View& one, const View& other) {
          a.flow != b.flow;
 }
 
+// Returns true if the colours of a view's surfaces stand for values.
+bool has_color_key(const View& view) { return view.document->world.color_key.has_value(); }
+
 // Returns true if two boxes fill about the same space.
 bool bounds_agree(const WideBox& one, const WideBox& other) {
   if (one.empty() || other.empty()) return false;
@@ -51,6 +54,7 @@ View renewed(const View& before, std::shared_ptr<Document> document, const glm::
     view.volume.isovalue.reset();
     view.volume.step.reset();
     view.look.transfer = {};
+    view.color_bar = view.color_bar || (has_color_key(view) && !has_color_key(before));
     if (!bounds_agree(before.list->bounds, view.list->bounds)) return view;
   }
   // Keep the pose of the viewer, because the user wants to compare the new file with the old one.

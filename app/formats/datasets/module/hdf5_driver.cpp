@@ -2,6 +2,7 @@
 
 #include "app/formats/datasets/module/hdf5_filters.h"
 
+#include <algorithm>
 #include <cstring>
 
 // File driver of HDF5 that reads bytes in memory. It opens no path: links to other files and virtual datasets with
@@ -50,7 +51,10 @@ herr_t query_memory(const H5FD_t*, unsigned long* flags) {
   return 0;
 }
 
-haddr_t end_of_allocation(const H5FD_t* file, H5FD_mem_t) { return memory_file(file)->end; }
+// A program that writes with SWMR allocates bytes behind the end that the file states.
+haddr_t end_of_allocation(const H5FD_t* file, H5FD_mem_t) {
+  return std::max<haddr_t>(memory_file(file)->end, memory_file(file)->bytes.size);
+}
 herr_t set_end_of_allocation(H5FD_t* file, H5FD_mem_t, haddr_t end) {
   memory_file(file)->end = end;
   return 0;

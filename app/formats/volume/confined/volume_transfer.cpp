@@ -158,10 +158,10 @@ std::optional<VolumeRequest> volume_request_of(std::span<const std::byte> bytes)
 std::vector<std::byte> transfer_bytes(const VolumeReply& reply) {
   TransferWriter to;
   to.value(reply.held);
-  write_datasets(to, reply.datasets);
   if (const auto* const error = std::get_if<std::string>(&reply.volume)) {
     to.value(ReplyTag::error);
     to.text(*error);
+    write_datasets(to, reply.datasets);
     return to.take();
   }
   const auto& volume = std::get<qnv::VolumeSource>(reply.volume);
@@ -172,6 +172,7 @@ std::vector<std::byte> transfer_bytes(const VolumeReply& reply) {
   to.list(volume.times);
   to.value<std::uint64_t>(volume.coarser.size());
   for (const qnv::VolumeSource& one : volume.coarser) write_source(to, one);
+  write_datasets(to, reply.datasets);
   return to.take();
 }
 
@@ -191,7 +192,6 @@ std::optional<VolumeReply> volume_reply_of(std::span<const std::byte> bytes, con
   TransferReader from(bytes);
   VolumeReply reply;
   reply.held = from.value<std::uint64_t>();
-  reply.datasets = read_datasets(from);
   const auto tag = from.value<std::uint8_t>();
   require_possible(tag <= static_cast<std::uint8_t>(ReplyTag::volume));
   if (static_cast<ReplyTag>(tag) == ReplyTag::error) {
@@ -201,6 +201,7 @@ std::optional<VolumeReply> volume_reply_of(std::span<const std::byte> bytes, con
   } else {
     reply.volume = SourceReader(from, make).volume();
   }
+  if (!from.empty()) reply.datasets = read_datasets(from);
   require_possible(from.empty());
   return reply;
 } catch (const Impossible&) {

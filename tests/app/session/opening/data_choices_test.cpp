@@ -222,7 +222,7 @@ TEST_CASE("follows HDF5 that a program appends to with SWMR") {
       "if os.fork() == 0:\n"
       "    end = time.time() + 60\n"
       "    while not os.path.exists('go') and time.time() < end: time.sleep(0.05)\n"
-      "    for k in range(1, 4):\n"
+      "    for k in range(1, 6):\n"
       "        d.resize(k + 1, axis=0)\n"
       "        d[k] = np.arange(216).reshape(6, 6, 6) * (k + 1)\n"
       "        d.flush()\n"
@@ -235,9 +235,9 @@ TEST_CASE("follows HDF5 that a program appends to with SWMR") {
   (void)window.wait_for([] { return false; }, 0.5);
   (void)folder.write("go", "");
   const auto steps = [&] { return window.session.view()->document->data.found->times.size(); };
-  CHECK(window.wait_for([&] { return steps() == 4; }, 60));
+  CHECK(window.wait_for([&] { return steps() == 6; }, 60));
   (void)folder.write("stop", "");
-  CHECK(steps() == 4);
+  CHECK(steps() == 6);
   CHECK(window.session.view()->document->has_volumes);
 }
 
