@@ -201,7 +201,7 @@ std::optional<VolumeReply> volume_reply_of(std::span<const std::byte> bytes, con
   } else {
     reply.volume = SourceReader(from, make).volume();
   }
-  if (!from.empty()) reply.datasets = read_datasets(from);
+  reply.datasets = read_datasets(from);
   require_possible(from.empty());
   return reply;
 } catch (const Impossible&) {
