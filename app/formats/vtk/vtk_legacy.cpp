@@ -317,6 +317,7 @@ class LegacyImporter {
 
   void values(const std::string& title, const std::string& type, std::uint64_t components, Rank rank, bool colors) {
     entries_.push_back(surface_entry(of_points_, title, *rows_, components, type, {}));
+    if (is_bookkeeping(title)) rank = nothing;
     if (is_chosen(title)) rank = chosen;
     if (rank == chosen && builder_.choice().chosen) colors = false;
     constexpr std::uint64_t kMaxComponents = 64;

@@ -75,7 +75,7 @@ class VtpImporter {
     const VtkArray *single = nullptr, *first = nullptr;
     for (const VtkArray& array : header_.arrays) {
       if (array.section != section || !vtk_type_of(array.type) || array.components == 0 || is_normals(array) ||
-          array.name == "vtkGhostType")
+          is_bookkeeping(array.name))
         continue;
       if (!active.empty() && array.name == active) return &array;
       if (!single && array.components == 1) single = &array;
