@@ -301,7 +301,8 @@ constexpr OptionRow kPictureOptions[] = {
      "the length of the vector",
      "open animate encode export info ", set_component},
     {"--dataset", "PATH", "",
-     "read this dataset of a file with several (HDF5, NetCDF, XDMF, TIFF), this array of a VTK surface, or this series of "
+     "read this dataset of a file with several (HDF5, NetCDF, XDMF, TIFF), this array of a VTK surface, or this series "
+     "of "
      "a DICOM folder: its path, or the end of it; info lists datasets",
      "open animate encode export info ", set_dataset},
     {"--channel", "N", "",
