@@ -198,8 +198,12 @@ std::optional<double> Follower::next_due() const {
     const auto found = files_.find(path);
     if (found == files_.end()) return step_.now;
     const File& file = found->second;
-    const double due = file.changed ? std::min(file.again, file.due) : file.due;
-    if (!file.coming.valid() || file.changed) next = std::min(next.value_or(due), due);
+    const bool reads = viewports_.panes().documents().awaited(path);  // its reader wakes the session
+    double due = file.changed && !reads ? std::min(file.again, file.due) : file.due;
+    // The thread wakes the session just before its result is there.
+    constexpr double kSoon = 0.05;
+    if (file.coming.valid()) due = step_.now + kSoon;
+    next = std::min(next.value_or(due), due);
   }
   return next;
 }
