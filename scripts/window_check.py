@@ -3,7 +3,8 @@
 Steps: open, split, move, drag a PlaneSensor, follow an Anchor, go back, edit a node and save the world, edit a transfer
 function, draw a slice through a volume, show the isosurface and the projection of a stream of values, save a picture
 and a turntable, move the viewer by keys of a Script, press buttons of a LayoutLayer in two viewports, use the start
-page, close an error message and slide with the middle button. Prints one line per step. Exits with 1 if a step failed.
+page, close an error message, slide with the middle button, choose data of a surface, add data beside it, and follow a
+file that another program writes. Prints one line per step. Exits with 1 if a step failed.
 -k: keeps pictures of the window in FOLDER.
 
 GHOSTSPACE: program instead of build/release/ghostspace. Needs Xvfb, xdotool and ImageMagick (Debian: xvfb,
@@ -76,6 +77,26 @@ HANGS = """#VRML V2.0 utf8
 Viewpoint { position 0 0 10 }
 Shape { appearance Appearance { material Material { diffuseColor 0.8 0.7 0.1 } } geometry Box { } }
 DEF S Script { url "javascript: function initialize() { print(+('0.' + '1'.repeat(1 << 23))); }" }
+"""
+
+
+def surface(size):
+    """Returns two triangles with two arrays, as legacy VTK."""
+    return f"""# vtk DataFile Version 3.0
+surface
+ASCII
+DATASET POLYDATA
+POINTS 4 float
+0 0 0 {size} 0 0 0 {size} 0 {size} {size} 1
+POLYGONS 2 8
+3 0 1 2
+3 1 3 2
+POINT_DATA 4
+SCALARS heat float
+LOOKUP_TABLE default
+1 2 3 4
+VECTORS wind float
+3 4 0 0 0 1 0 0 0 9 0 0
 """
 
 
@@ -484,6 +505,33 @@ def run(check):
         check.click((MIDDLE[0] - 19, HEIGHT - 30))
         wait("Close closes the world", lambda: not check.world.getViewports()[0]["file"])
 
+    def chooses_data():
+        check.open("--follow", check.file("surface.vtk", surface(2)))
+        check.key("ctrl+shift+d")
+        time.sleep(2)
+        check.key("ctrl+shift+d", "ctrl+shift+d")  # the panel opens at its old position
+        time.sleep(1)
+        before = window_picture(check)
+        check.click((645, 309))  # Beside
+        check.click((670, 350))  # the second array
+        wait("there are two viewports", lambda: len(check.world.getViewports()) == 2)
+        check.key("ctrl+w")
+        wait("there is one again", lambda: len(check.world.getViewports()) == 1)
+        time.sleep(1)
+        check.click((560, 163))  # the second array
+        time.sleep(2)
+        if check.differing(before, window_picture(check)) < 2000:
+            raise Failed("the picture is as before")
+
+    def follows_file():
+        before, viewer = window_picture(check), check.world.getViewer()["position"]
+        check.file("surface.vtk", surface(1.2))
+        time.sleep(5)
+        if check.differing(before, window_picture(check)) < 2000:
+            raise Failed("the picture is as before")
+        if not near(check.world.getViewer()["position"], viewer):
+            raise Failed("the viewer moves")
+
     check.step("a PlaneSensor is dragged", slides)
     check.step("the viewer moves, and undoes it", moves)
     check.step("a viewport is split, and closed", splits)
@@ -502,6 +550,8 @@ def run(check):
     check.step("a file of an unknown format is refused, and Esc closes the message", refuses)
     check.step("the middle button slides the viewer", slides_by_middle_button)
     check.step("a world is reloaded and closed after its Script has hung", stops)
+    check.step("data of a surface are chosen, and added beside it", chooses_data)
+    check.step("a file that a program writes is followed", follows_file)
 
 
 def color_at(check, place):

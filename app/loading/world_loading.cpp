@@ -91,6 +91,7 @@ void WorldLoading::State::start() {
   }
   first->max_bytes = loading.options.max_bytes;
   first->handler = root;
+  first->refresh = loading.options.component.growing;
   loading.fetcher.fetch(std::move(first), Urgency::world);
 }
 

@@ -40,7 +40,9 @@ Session::Session(const SessionOptions& options, LoadOptions load, const std::fun
       pointing_(step_, viewports_, picker_, links_),
       first_views_(step_, viewports_, camera_, opening_, links_, picker_,
                    {options.viewpoint, options.headlight, options.camera}),
-      readers_(step_, viewports_, load_, {log_, questions_, series_.list(), links_}, wake,
+      data_(step_, viewports_, load_),
+      follower_(step_, viewports_, series_.list(), load_, wake),
+      readers_(step_, viewports_, load_, {log_, questions_, series_.list(), links_, data_, follower_}, wake,
                mesh_worker(options.simulated, wake, picker_)),
       streams_(step_, viewports_, readers_, load_),
       input_(step_, {viewports_, opening_, links_, travel_, camera_, pointing_, sound_}) {
@@ -51,6 +53,7 @@ Session::Session(const SessionOptions& options, LoadOptions load, const std::fun
 
 Frame Session::step(double now, const SessionInput& input) {
   const double before = std::exchange(step_.now, now);
+  follower_.check();
   readers_.begin();
   streams_.limit_rates();
   if (readers_.take_news()) step_.frame.news = true;
@@ -86,26 +89,25 @@ void Session::handle_input(const SessionInput& input, float seconds) {
 // Time --------------------------------------------------------------------------------------------
 
 // Returns the running worlds in visible viewports, each once.
-std::vector<Document*> Session::running() const {
+std::vector<Document*> Session::running() {
   std::vector<Document*> result;
-  for (const std::size_t i : panes().visible()) {
-    const View* seen = panes().at(i).view();
-    if (seen && seen->document->runtime &&
-        std::find(result.begin(), result.end(), seen->document.get()) == result.end())
+  for (View* const seen : panes().views_in_sight()) {
+    if (seen->document->runtime && std::find(result.begin(), result.end(), seen->document.get()) == result.end())
       result.push_back(seen->document.get());
   }
   return result;
 }
 
 // Returns the time of the next event in the visible worlds, or the time at which a series shows its next file.
-std::optional<double> Session::next_event() const {
+std::optional<double> Session::next_event() {
   std::optional<double> next;
   for (const Document* document : running())
     if (const auto time = document->runtime->next_time()) next = std::min(next.value_or(*time), *time);
   // After an extension has acted, step soon: its actions may cause events and requests.
   if (acted_) next = life_due_;
   if (next) next = std::max(*next, life_due_);
-  if (const auto due = series_.next_due()) next = std::min(next.value_or(*due), *due);
+  for (const auto due : {series_.next_due(), follower_.next_due()})
+    if (due) next = std::min(next.value_or(*due), *due);
   return next;
 }
 
@@ -147,8 +149,8 @@ bool Session::advance_worlds(bool look) {
 bool Session::advance_world(Document& document, bool look) {
   bool any = false;
   std::vector<View*> views;
-  for (const std::size_t i : panes().visible())
-    if (View* seen = panes().at(i).view(); seen && seen->document.get() == &document) views.push_back(seen);
+  for (View* const seen : panes().views_in_sight())
+    if (seen->document.get() == &document) views.push_back(seen);
   // A world has only one viewer. Use the view of the active viewport if it shows this world, else the first view.
   View* leader = view() && view()->document.get() == &document ? view() : views.front();
   vrml::Execution& execution = document.runtime->execution();
@@ -183,8 +185,8 @@ bool Session::run_extensions(bool look) {
   if (!any) return false;
   acted_ = true;
   if (look)
-    for (const std::size_t i : panes().visible())
-      if (View* seen = panes().at(i).view(); seen && seen->document->runtime) any = follow_world(*seen) || any;
+    for (View* const seen : panes().views_in_sight())
+      if (seen->document->runtime) any = follow_world(*seen) || any;
   return any;
 }
 

@@ -7,8 +7,10 @@
 #include "app/session/navigation/camera_control.h"
 #include "app/session/navigation/session_sound.h"
 #include "app/session/navigation/viewer_motion.h"
+#include "app/session/opening/data_choices.h"
 #include "app/session/opening/document_readers.h"
 #include "app/session/opening/first_views.h"
+#include "app/session/opening/follower.h"
 #include "app/session/opening/link_follower.h"
 #include "app/session/opening/opening.h"
 #include "app/session/opening/series_playback.h"
@@ -87,19 +89,21 @@ class Session : NonCopyable {
   [[nodiscard]] Pointing& pointing() { return pointing_; }
   [[nodiscard]] SessionSound& sound() { return sound_; }
   [[nodiscard]] SeriesPlayback& series() { return series_; }
+  [[nodiscard]] DataChoices& data() { return data_; }
+  [[nodiscard]] Follower& follower() { return follower_; }
   [[nodiscard]] SessionQuestions& questions() { return questions_; }
   [[nodiscard]] InputHandler& input() { return input_; }
   /// Returns the log of diagnostics of all files.
   [[nodiscard]] SessionLog& log() { return log_; }
 
  private:
-  [[nodiscard]] std::vector<Document*> running() const;
+  [[nodiscard]] std::vector<Document*> running();
   bool advance_worlds(bool look);
   bool advance_world(Document& document, bool look);
   bool run_extensions(bool look);
   void place_viewer(Document& document, const View& leader) const;
   void handle_input(const SessionInput& input, float seconds);
-  [[nodiscard]] std::optional<double> next_event() const;
+  [[nodiscard]] std::optional<double> next_event();
 
   LoadOptions load_;  // options for files, including the folders that the user has allowed
   StepContext step_;
@@ -116,6 +120,8 @@ class Session : NonCopyable {
   LinkFollower links_;
   Pointing pointing_;
   FirstViews first_views_;
+  DataChoices data_;
+  Follower follower_;
   DocumentReaders readers_;
   StreamTransfers streams_;
   InputHandler input_;

@@ -47,6 +47,7 @@ enum class Action : std::uint8_t {
   statistics,
   log,
   transfer,
+  data,
   scene_tree,
   inspector,
   routes,

@@ -4,6 +4,7 @@
 #include "app/desktop/hand_over.h"
 #include "app/session/navigation/key_input.h"
 #include "app/view/camera_text.h"
+#include "app/viewer/viewer_data.h"
 #include "base/text.h"
 
 #include <algorithm>
@@ -257,6 +258,7 @@ void ViewerController::apply(const UiActions& actions) {
   if (actions.tools.play) session_.series().play(*actions.tools.play);
   if (actions.tools.file) session_.series().show(*actions.tools.file);
   if (actions.tools.rate) session_.series().set_rate(*actions.tools.rate);
+  apply_data(actions.data, session_);
   window_.apply_tools(actions.tools);
   View* seen = session_.view();
   if (!seen) return;
@@ -294,7 +296,9 @@ bool ViewerController::tell(const Frame& frame) {
     ui_.show_notice((opened ? "Opened in the web browser: " : "Cannot start a web browser for ") + page, false);
   }
   if (frame.show_log) ui_.show_panel(Action::log);
-  if (!frame.arrived.empty()) record_.note_recent_files(frame.arrived);
+  std::vector<std::string> files = frame.arrived;
+  std::erase_if(files, [](const std::string& path) { return view_number(path) > 1; });
+  if (!files.empty()) record_.note_recent_files(files);
   if (frame.news || frame.files_chosen) record_.note_session();
   return any || !frame.notices.empty() || !frame.web_pages.empty() || frame.show_log;
 }

@@ -1,6 +1,7 @@
 #include "app/view/ground_grid.h"
 #include "app/view/values/color_bar.h"
 #include "app/viewer/viewer_controller.h"
+#include "app/viewer/viewer_data.h"
 #include "base/text.h"
 #include "net/base/schemes.h"
 
@@ -133,6 +134,7 @@ UiModel ViewerController::model(const Frame& frame, const PictureMeasures& measu
     model.tools.rate = series->rate;
   }
   window_.describe_tools(model.tools);
+  model.data = describe_data(session_);
   if (!seen) return model;
   model.has_world = true;
   model.first_steps = store_.settings().first_steps && !record_.not_kept().empty() && pane.shown == record_.not_kept();

@@ -106,6 +106,8 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   source.draw.most_decoded = 0;
   for (const auto& feed : seen.document->world.feeds) source.grown += feed->applied();
   source.grown += detail_revision(*seen.list);
+  for (const View::Over& over : seen.over)
+    if (over.view) source.grown += detail_revision(*over.view->list);
   if (seen.document->runtime) source.grown += seen.document->runtime->movies().pictures();
   const bool busy = frames_wanted_ > 0 || frame_.moving, same = pictures_.is_same(picture.pane, source);
   if (same && pictures_.stands(picture.pane, busy) && renderer_->show_again(draw)) return;

@@ -35,7 +35,7 @@ double seconds_since_1970() {
 }  // namespace
 
 ViewerTools::ViewerTools(const ViewerOptions& options, render::Renderer& renderer)
-    : options_(options), renderer_(renderer), values_(options.volume.component), folder_(pictures_folder()) {}
+    : options_(options), renderer_(renderer), folder_(pictures_folder()) {}
 
 bool ViewerTools::take_values() {
   const bool due = steps_.playing && std::chrono::steady_clock::now() >= steps_.next;

@@ -22,21 +22,20 @@ ViewerValues::Values& ViewerValues::of(const View& view) {
     values_.erase(found);
     found = values_.end();
   }
-  const std::string& path = view.document->world.path;
   if (found == values_.end()) {
     Values& values = values_[view.document.get()];
     values.of = view.document;
     values.streamed = streamed_values(*view.list);
-    begin_reading(values, path);
+    begin_reading(values, view);
     return values;
   }
   Values& values = found->second;
-  const StepContent::Shared step = step_geometry(values, view, component_);
+  const StepContent::Shared step = step_geometry(values, view, view.document->data);
   if (!values.coming.valid())
     if (auto newer = step ? step->as<qnv::Volume>()->values : streamed_values(*view.list);
         newer && newer != values.streamed) {
       values.streamed = std::move(newer);
-      begin_reading(values, path);
+      begin_reading(values, view);
     }
   (void)take(values);
   return values;
@@ -67,13 +66,16 @@ StepContent::Shared ViewerValues::step_geometry(Values& values, const View& view
   return values.step.get(first_volume_geometry(*view.list), wish);
 }
 
-void ViewerValues::begin_reading(Values& values, const std::string& path) {
-  values.coming = std::async(std::launch::async, [path, streamed = values.streamed, this] {
-    const WorldBudget budget = own_budget();
-    budget->stop_when([this] { return stop_.load(); });  // also while a child reads
-    return streamed ? VolumeGrid::take(streamed->source, &stop_, budget, VolumeGrid::kMaxVoxels, streamed.get())
-                    : VolumeGrid::read(path, &stop_, budget, VolumeGrid::kMaxVoxels, component_);
-  });
+void ViewerValues::begin_reading(Values& values, const View& view) {
+  VoxelComponent data = view.document->data;
+  data.found.reset();  // this thread reads the list of the document
+  values.coming = std::async(
+      std::launch::async, [path = view.document->world.path, data = std::move(data), streamed = values.streamed, this] {
+        const WorldBudget budget = own_budget();
+        budget->stop_when([this] { return stop_.load(); });  // also while a child reads
+        return streamed ? VolumeGrid::take(streamed->source, &stop_, budget, VolumeGrid::kMaxVoxels, streamed.get())
+                        : VolumeGrid::read(path, &stop_, budget, VolumeGrid::kMaxVoxels, data);
+      });
 }
 
 bool ViewerValues::take(Values& values) {
@@ -149,7 +151,7 @@ VolumeContent ViewerValues::content_of(const View& view, const VolumeContent& be
   content.clip = view.look.clip;
   // Vectors of a step need no grid of values.
   if (display.mode == VolumeMode::vectors && display.share == kUsualShare)
-    content.vectors = step_geometry(values, view, component_);
+    content.vectors = step_geometry(values, view, view.document->data);
   if (!values.grid) {
     if (display.surface) content.surface = before.surface;
     return content;
@@ -199,12 +201,21 @@ render::VolumeReading ViewerValues::reading_of(const View& view, bool exact) {
 }
 
 const render::RenderList& ViewerValues::shown(std::size_t pane, const View& view) {
-  if (!view.slices.any() && !view.volume.needs_values()) return *view.list;
+  if (!view.slices.any() && !view.volume.needs_values() && view.over.empty()) return *view.list;
   Scene& scene = scenes_[pane];
   if (scene.of.lock() != view.document) {
     scene = {};
     scene.of = view.document;
   }
+  std::vector<const render::RenderList*> over;
+  for (const View::Over& one : view.over)
+    if (one.view) over.push_back(one.view->list.get());
+  return scene.over.with(own_list(scene, view), over);
+}
+
+// Returns the render list of a view with its slices and other content of its volume.
+const render::RenderList& ViewerValues::own_list(Scene& scene, const View& view) {
+  if (!view.slices.any() && !view.volume.needs_values()) return *view.list;
   const render::RenderList& list = scene.slices.with_slices(*view.list, of(view).grid, view.slices);
   const auto world_from_node = world_from_volume(*view.list);
   if (!view.volume.needs_values() || !world_from_node) return list;

@@ -2,6 +2,7 @@
 
 #include "app/session/viewports/view.h"
 #include "app/view/derived/derived_value.h"
+#include "app/view/derived/overlay_scene.h"
 #include "app/view/derived/step_content.h"
 #include "app/view/derived/volume_histogram.h"
 #include "app/view/derived/volume_scene.h"
@@ -40,7 +41,7 @@ class ViewerValues : NonCopyable {
   };
 
   /// `component` is that of volume files.
-  explicit ViewerValues(const VoxelComponent& component) : component_(component) {}
+  ViewerValues() = default;
   ~ViewerValues() { stop_ = true; }
 
   /// Returns the values of a view's document, and begins to read them if necessary. The values of a stream become
@@ -77,14 +78,15 @@ class ViewerValues : NonCopyable {
     VolumeContent content;
     SliceScene slices;
     VolumeScene volume;
+    OverlayScene over;
   };
   bool take(Values& values);
-  void begin_reading(Values& values, const std::string& path);
+  const render::RenderList& own_list(Scene& scene, const View& view);
+  void begin_reading(Values& values, const View& view);
   /// Returns the volume of the step that the view wishes; null if it is that of the document.
   static StepContent::Shared step_geometry(Values& values, const View& view, const VoxelComponent& component);
   VolumeContent content_of(const View& view, const VolumeContent& before);
 
-  const VoxelComponent component_;
   std::atomic<bool> stop_{false};  // true stops the threads that read values
   std::map<const Document*, Values> values_;
   std::map<std::size_t, Scene> scenes_;  // by viewport; kMaxViewports is used for saved pictures and values

@@ -71,7 +71,7 @@ bool write_all(int file, std::span<const std::byte> bytes) {
 
 std::optional<std::string> MappedFile::changed() const {
   if (!file_) return std::nullopt;
-  if (!mapping_.lost() && stamp_of(file_) == stamp_) return std::nullopt;
+  if (!mapping_.lost() && (tolerates_writes_ || stamp_of(file_) == stamp_)) return std::nullopt;
   return "the file changed while it was read; reload to get the new version";
 }
 

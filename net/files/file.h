@@ -48,6 +48,8 @@ class MappedFile {
   /// Returns a message if the file became shorter or was written to after it was opened. Returns nullopt otherwise.
   /// Depends on the clock of the file system. Call it after reading.
   [[nodiscard]] std::optional<std::string> changed() const;
+  /// Makes changed() ignore writes of other programs to a file that grows while it is followed.
+  void tolerate_writes() const { tolerates_writes_ = true; }
 
  private:
   friend std::variant<MappedFile, FileError> map_file(const std::string& path, const CheckFirstBytes& check);
@@ -58,6 +60,7 @@ class MappedFile {
   // open for mapped files only
   Descriptor file_;
   FileStamp stamp_;
+  mutable bool tolerates_writes_ = false;
 };
 
 /// Opens a regular file, or a link to a regular file, for reading. Refuses folders, pipes, sockets and devices without

@@ -113,6 +113,7 @@ struct Import {
   std::string_view type;
   app::ReadFile read_file;
   bool for_x3d = false;
+  app::VoxelComponent choice{};
 };
 
 inline Imported imported(const Import& import, std::span<const std::byte> bytes) {
@@ -121,6 +122,7 @@ inline Imported imported(const Import& import, std::span<const std::byte> bytes)
   const WorldBudget budget = result.scene->budget();
   app::ImportSource source{bytes, path, import.read_file, budget, result.diagnostics};
   source.for_x3d = import.for_x3d;
+  source.component = import.choice;
   app::Asset asset = type_named(import.type).read(source);
   if (auto* scene = std::get_if<app::SceneAsset>(&asset)) result.scene = std::move(scene->scene);
   if (auto* mesh = std::get_if<app::MeshAsset>(&asset))

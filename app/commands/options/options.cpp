@@ -301,6 +301,11 @@ constexpr OptionRow kOtherOptions[] = {
      "open animate check print info encode export fetch trace ", with<set_memory>},
     {"--offline", "", "", "disable the network", "open animate check print info encode export trace ",
      flag<&LoadOptions::offline>},
+    {"--follow", "", "",
+     "read files again when a program writes to them, and show the newest step: a growing file, new files of a series, "
+     "a "
+     "Zarr array that fills; also of http:, https: and ssh: URLs",
+     "open ", flag<&LoadOptions::follow>},
     {"--remote-command", "COMMAND", "ghostspace",
      "program for ssh: URLs, as for a shell on the remote machine; it may begin with another program: \"srun -N1 "
      "ghostspace\"",

@@ -2,6 +2,7 @@
 
 #include "app/commands/options/option_values.h"
 #include "app/commands/options/setters.h"
+#include "app/formats/volume/volume_common.h"
 #include "app/view/camera_text.h"
 #include "app/view/values/color_maps.h"
 
@@ -203,6 +204,36 @@ Problem set_globe(CommandOptions& options, const std::string& value) {
   });
 }
 
+Problem set_flow(CommandOptions& options, const std::string& value) {
+  static constexpr std::string_view kForms[] = {"values", "arrows", "streamlines"};
+  const auto* const found = std::find(std::begin(kForms), std::end(kForms), value);
+  if (found == std::end(kForms)) return "expected values, arrows or streamlines";
+  return change_choice(
+      options, [&](VoxelComponent& choice) { choice.flow = static_cast<FlowForm>(found - std::begin(kForms)); });
+}
+
+// Sets the colours of values on surfaces.
+Problem set_surface_map(CommandOptions& options, const std::string& value) {
+  const ColorMap* const map = find_color_map(value);
+  if (!map) return "expected one of: " + color_map_names();
+  return change_choice(options, [&](VoxelComponent& choice) { choice.colors.map = palette_of(*map); });
+}
+
+Problem set_surface_range(CommandOptions& options, const std::string& value) {
+  using Range = SurfaceColors::Range;
+  if (value == "whole" || value == "2-98%")
+    return change_choice(options, [&](VoxelComponent& choice) {
+      choice.colors.range = value == "whole" ? Range::whole : Range::contrast;
+    });
+  const std::vector<double> ends = numbers_of(value, 3);
+  if (ends.size() != 2 || !(ends[0] < ends[1])) return "expected whole, 2-98% or LOW,HIGH";
+  return change_choice(options, [&](VoxelComponent& choice) {
+    choice.colors.range = Range::typed;
+    choice.colors.low = ends[0];
+    choice.colors.high = ends[1];
+  });
+}
+
 // Sets whether voxels are labels, for loading, and for the values of pictures and windows.
 Problem set_labels(CommandOptions& options, const std::string& value) {
   if (value != "yes" && value != "no" && value != "auto") return "expected yes, no or auto";
@@ -270,11 +301,23 @@ constexpr OptionRow kPictureOptions[] = {
      "the length of the vector",
      "open animate encode export info ", set_component},
     {"--dataset", "PATH", "",
-     "read this dataset of a file with several (HDF5, NetCDF, XDMF, TIFF), or this series of a DICOM folder: its path, or the end of it; info lists them",
+     "read this dataset of a file with several (HDF5, NetCDF, XDMF, TIFF), this array of a VTK surface, or this series "
+     "of "
+     "a DICOM folder: its path, or the end of it; info lists datasets",
      "open animate encode export info ", set_dataset},
     {"--channel", "N", "",
      "read this index, from 0, along the axes of a dataset that are neither space nor time nor components",
      "open animate encode export info ", set_channel},
+    {"--flow", "values|arrows|streamlines", "values",
+     "draw the vectors of a volume with two or three components as values (one component or the magnitude), as arrows "
+     "on a thinned grid, or as streamlines; colours show the length of the vectors",
+     "open animate ", set_flow},
+    {"--surface-map", "grey|viridis|cividis|inferno|magma|turbo|coolwarm", "viridis",
+     "colour map of data on surfaces, arrows and streamlines", "open animate ", set_surface_map},
+    {"--surface-range", "whole|2-98%|LOW,HIGH", "whole",
+     "values of the first and last colour of data on surfaces: all values, without the lowest and highest 2 %, or two "
+     "values",
+     "open animate ", set_surface_range},
     {"--globe", "yes|no|auto", "auto",
      "draw longitudes and latitudes as a globe instead of a plane; auto does so for meshes of the whole globe",
      "open animate encode export info ", set_globe},

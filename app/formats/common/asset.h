@@ -56,6 +56,7 @@ using Asset = std::variant<std::monostate, SceneAsset, MeshAsset, qnv::Splats, q
 template <auto import>
 [[nodiscard]] Asset read_mesh(const ImportSource& source) {
   MeshBuilder builder(source.path, source.budget, source.diagnostics);
+  builder.choose(source.component);
   try {
     if constexpr (requires { import(source.bytes, builder, source.read_file); })
       import(source.bytes, builder, source.read_file);

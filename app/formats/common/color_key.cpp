@@ -1,5 +1,6 @@
 #include "app/formats/common/color_key.h"
 
+#include "app/formats/common/dataset_list.h"
 #include "app/formats/common/scene_builder.h"
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <iterator>
 #include <utility>
 
 namespace gs::app {
@@ -89,6 +91,34 @@ ColorKey color_key_over(std::span<const float> values, std::vector<vrml::Color> 
       key.high = std::max(key.high, static_cast<double>(value));
     }
   if (!(key.low <= key.high)) key.low = key.high = 0;
+  return key;
+}
+
+ColorKey color_key_of_choice(std::span<const float> values, std::string title, const VoxelComponent& choice) {
+  const SurfaceColors& wanted = choice.colors;
+  std::vector<vrml::Color> colors;
+  for (const glm::vec3& one : std::span(wanted.map).first(std::min(wanted.map.size(), kMaxKeyColors)))
+    colors.emplace_back(std::clamp(one.x, 0.0f, 1.0f), std::clamp(one.y, 0.0f, 1.0f), std::clamp(one.z, 0.0f, 1.0f));
+  if (colors.size() < 2) colors = viridis_colors();
+  ColorKey key = color_key_over(values, std::move(colors), std::move(title));
+  if (choice.found) choice.found->range = {key.low, key.high};
+  if (wanted.range == SurfaceColors::Range::typed && wanted.low <= wanted.high) {
+    key.low = wanted.low;
+    key.high = wanted.high;
+  } else if (wanted.range == SurfaceColors::Range::contrast) {
+    std::vector<float> finite;
+    std::ranges::copy_if(values, std::back_inserter(finite), [](float value) { return std::isfinite(value); });
+    const auto value_at = [&](double part) {
+      const auto place = static_cast<std::ptrdiff_t>(part * static_cast<double>(finite.size() - 1));
+      std::nth_element(finite.begin(), finite.begin() + place, finite.end());
+      return static_cast<double>(finite[static_cast<std::size_t>(place)]);
+    };
+    constexpr double kLow = 0.02, kHigh = 0.98;
+    if (!finite.empty()) {
+      const double low = value_at(kLow), high = value_at(kHigh);
+      if (low < high) key.low = low, key.high = high;
+    }
+  }
   return key;
 }
 

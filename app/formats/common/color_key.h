@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/formats/common/voxel_component.h"
 #include "vrml/scene/values/field_value.h"
 
 #include <optional>
@@ -41,6 +42,10 @@ struct ColorKey {
 /// Builds a key that ranges from the minimum to the maximum of the finite values.
 [[nodiscard]] ColorKey color_key_over(std::span<const float> values, std::vector<vrml::Color> colors,
                                       std::string title);
+
+/// Builds a key with the range and the colours of a user's choice. Notes the whole range in VoxelComponent::found.
+[[nodiscard]] ColorKey color_key_of_choice(std::span<const float> values, std::string title,
+                                           const VoxelComponent& choice);
 
 /// Formats a key as text for the `info` of a WorldInfo.
 [[nodiscard]] std::string color_key_text(const ColorKey& key);

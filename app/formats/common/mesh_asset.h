@@ -3,6 +3,7 @@
 #include "app/formats/common/color_key.h"
 #include "app/formats/common/import_context.h"
 #include "app/formats/common/time_steps.h"
+#include "app/formats/common/voxel_component.h"
 #include "vrml/scene/values/field_value.h"
 
 #include <cstddef>
@@ -74,6 +75,9 @@ class MeshBuilder : public ImportContext {
  public:
   using ImportContext::ImportContext;
 
+  /// Sets the user's choice of values and colours.
+  void choose(VoxelComponent choice) { choice_ = std::move(choice); }
+  [[nodiscard]] const VoxelComponent& choice() const { return choice_; }
   /// Adds a part with its own appearance. Drops faces, lines and points with missing or non-finite coordinates, with
   /// one message per kind. Returns false if nothing is left.
   bool add(Geometry geometry, Look look = {}, std::string_view name = {});
@@ -93,6 +97,7 @@ class MeshBuilder : public ImportContext {
 
  private:
   MeshAsset asset_;
+  VoxelComponent choice_;
 };
 
 }  // namespace gs::app

@@ -3,6 +3,8 @@
 #include "app/formats/common/voxel_component.h"
 #include "base/array.h"
 
+#include <glm/vec3.hpp>
+
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -136,6 +138,12 @@ inline void write_component(TransferWriter& to, const VoxelComponent& component)
   to.value<std::uint8_t>(component.step ? (component.step->time ? 2 : 1) : 0);
   to.value<std::uint32_t>(component.step ? component.step->number : 0);
   to.value<double>(component.step ? component.step->time.value_or(0) : 0);
+  to.value<std::uint8_t>(component.growing);
+  to.value(component.flow);
+  to.value(component.colors.range);
+  to.value(component.colors.low);
+  to.value(component.colors.high);
+  to.list(component.colors.map);
 }
 
 inline VoxelComponent read_component(TransferReader& from) {
@@ -155,6 +163,15 @@ inline VoxelComponent read_component(TransferReader& from) {
   const auto time = from.value<double>();
   if (step != 0) component.step = qnv::ShownStep{number, {}};
   if (step == 2) component.step->time = time;
+  component.growing = from.truth();
+  const auto flow = from.value<std::uint8_t>(), range = from.value<std::uint8_t>();
+  require_possible(flow <= static_cast<std::uint8_t>(FlowForm::streamlines) &&
+                   range <= static_cast<std::uint8_t>(SurfaceColors::Range::typed));
+  component.flow = static_cast<FlowForm>(flow);
+  component.colors.range = static_cast<SurfaceColors::Range>(range);
+  component.colors.low = from.value<double>();
+  component.colors.high = from.value<double>();
+  component.colors.map = from.list<glm::vec3>();
   return component;
 }
 

@@ -2,11 +2,41 @@
 
 #include "qnv/sampling/volume/volume_values.h"
 
+#include <glm/vec3.hpp>
+
 #include <cstdint>
+#include <limits>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace gs::app {
+
+struct DatasetList;
+
+/// Colours of the values on surfaces.
+struct SurfaceColors {
+  enum class Range : std::uint8_t {
+    whole,     // from the minimum to the maximum value
+    contrast,  // without the lowest and the highest 2 % of the values
+    typed,     // from `low` to `high`
+  };
+  Range range = Range::whole;
+  double low = 0, high = 1;
+  std::vector<glm::vec3> map{};  // evenly spaced sRGB colours from the lowest value on; empty means Viridis
+  friend bool operator==(const SurfaceColors&, const SurfaceColors&) = default;
+};
+
+/// Form in which the vectors of a volume are drawn.
+enum class FlowForm : std::uint8_t {
+  values,  // one component or the magnitude, as a volume
+  arrows,
+  streamlines,
+};
+
+/// Time of a step that means the newest one.
+inline constexpr double kNewestStep = std::numeric_limits<double>::max();
 
 /// Values to read from a file that has several: of a dataset, a step and a channel, the number of each voxel.
 struct VoxelComponent {
@@ -19,6 +49,10 @@ struct VoxelComponent {
   std::string dataset{};                 // of a file that has several; empty means the largest one
   std::optional<std::uint64_t> channel{};  // index on the axes that are neither space nor time nor components
   std::optional<bool> globe{};  // longitudes and latitudes on a sphere; nullopt: only meshes of the whole globe
+  bool growing = false;         // another program may write to the file meanwhile; what is there now is read
+  FlowForm flow = FlowForm::values;  // of volumes with two or three components
+  SurfaceColors colors{};
+  std::shared_ptr<DatasetList> found{};  // readers write the datasets of the file here; null if they are not needed
   friend bool operator==(const VoxelComponent&, const VoxelComponent&) = default;
 };
 

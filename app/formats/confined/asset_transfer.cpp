@@ -338,7 +338,7 @@ bool can_transfer(const Asset& asset) {
          std::holds_alternative<qnv::Splats>(asset) || std::holds_alternative<qnv::Gaussians>(asset);
 }
 
-std::vector<std::byte> transfer_bytes(const Asset& asset, const Diagnostics& diagnostics) {
+std::vector<std::byte> transfer_bytes(const Asset& asset, const Diagnostics& diagnostics, const DatasetList& datasets) {
   TransferWriter to;
   to.value<std::uint64_t>(diagnostics.entries().size());
   for (const Diagnostic& one : diagnostics.entries()) {
@@ -362,6 +362,7 @@ std::vector<std::byte> transfer_bytes(const Asset& asset, const Diagnostics& dia
   } else {
     to.value(AssetTag::none);
   }
+  if (!datasets.entries.empty()) write_datasets(to, datasets);
   return to.take();
 }
 
@@ -369,6 +370,8 @@ Asset asset_of(std::span<const std::byte> bytes, const ImportSource& source) try
   TransferReader from(bytes);
   read_diagnostics(from, source);
   Asset asset = read_content(from, source);
+  DatasetList datasets = from.empty() ? DatasetList() : read_datasets(from);
+  if (source.component.found) *source.component.found = std::move(datasets);
   require_possible(from.empty());
   return asset;
 } catch (const Impossible&) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/formats/common/asset.h"
+#include "app/formats/common/dataset_list.h"
 #include "app/formats/common/import_limits.h"
 #include "base/diagnostic.h"
 
@@ -29,8 +30,9 @@ struct ImportRequest {
 
 /// Reports whether transfer_bytes() can write an asset: nothing, a mesh, an imported scene, splats or Gaussians.
 [[nodiscard]] bool can_transfer(const Asset& asset);
-/// Returns the bytes of an asset that can_transfer() accepts, with its diagnostics.
-[[nodiscard]] std::vector<std::byte> transfer_bytes(const Asset& asset, const Diagnostics& diagnostics);
+/// Returns the bytes of an asset that can_transfer() accepts, with its diagnostics and the datasets of its file.
+[[nodiscard]] std::vector<std::byte> transfer_bytes(const Asset& asset, const Diagnostics& diagnostics,
+                                                    const DatasetList& datasets = {});
 
 /// Reads an asset from a child. Trusts nothing: numbers must be finite and in their ranges, indices valid, arrays of
 /// fitting sizes. Otherwise reports an error and returns std::monostate. Adds the child's diagnostics to those of

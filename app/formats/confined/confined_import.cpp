@@ -89,10 +89,11 @@ std::vector<std::byte> import_in_child(std::span<const std::byte> request, std::
   const WorldBudget budget = std::make_shared<Budget>(limits_of(known->left));
   const ReadFile read_file = known->reads_files ? ask : ReadFile();
   ImportSource source{file, known->path, read_file, budget, diagnostics, known->name, known->component, known->for_x3d};
+  source.component.found = std::make_shared<DatasetList>();
   // Volumes have children of their own, so that a type of both kinds means a mesh.
   const Asset asset = (type->mesh_type ? type->mesh_type : &*type)->read(source);
   if (!can_transfer(asset)) return {};
-  return transfer_bytes(asset, diagnostics);
+  return transfer_bytes(asset, diagnostics, *source.component.found);
 }
 
 }  // namespace gs::app

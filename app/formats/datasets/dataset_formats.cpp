@@ -48,9 +48,14 @@ std::variant<ChosenDataset, std::string> open_chosen(const VolumeFile& file) {
   auto opened = open_any_dataset_file(file);
   if (auto* const problem = std::get_if<std::string>(&opened)) return std::move(*problem);
   ChosenDataset chosen{std::get<std::unique_ptr<DatasetFile>>(std::move(opened)), 0};
+  if (file.component.found) {
+    *file.component.found = {};
+    file.component.found->entries = chosen.file->entries();
+  }
   auto entry = choose_dataset(chosen.file->entries(), file.component.dataset);
   if (auto* const problem = std::get_if<std::string>(&entry)) return std::move(*problem);
   chosen.entry = std::get<std::size_t>(entry);
+  if (file.component.found) file.component.found->shown = chosen.file->entries()[chosen.entry].path;
   return chosen;
 }
 
@@ -87,6 +92,7 @@ bool holds_dataset_mesh(const ImportSource& source) {
 
 Asset read_dataset_mesh(const ImportSource& source) {
   MeshBuilder builder(source.path, source.budget, source.diagnostics);
+  builder.choose(source.component);
   try {
     auto opened = open_chosen(volume_file(source));
     if (const auto* const problem = std::get_if<std::string>(&opened)) {

@@ -1,6 +1,7 @@
 #include "app/formats/volume/volume.h"
 
 #include "app/base/local_file.h"
+#include "app/formats/common/dataset_list.h"
 #include "app/formats/volume/volume_common.h"
 #include "base/gzip.h"
 #include "net/files/file.h"
@@ -71,6 +72,13 @@ VolumeResult open_as(const VolumeFormat* format, const VolumeFile& file, const R
   VolumeResult result = format->open(file);
   if (const auto* problem = std::get_if<std::string>(&result)) return std::string(format->name.name) + ": " + *problem;
   return result;
+}
+
+/// Notes the components and steps of a volume, unless its reader did.
+void note_choices(const qnv::VolumeSource& volume, const VoxelComponent& choice) {
+  if (!choice.found) return;
+  if (choice.found->components == 1 && !volume.components.empty()) choice.found->components = volume.components.size();
+  if (choice.found->times.empty()) choice.found->times = volume.times;
 }
 
 }  // namespace
@@ -185,6 +193,7 @@ std::variant<qnv::VolumeSource, std::string> open_volume(const std::string& path
 std::variant<qnv::VolumeSource, std::string> open_volume_file(const std::string& path, const SharedBytes& bytes,
                                                               const RawVolume& raw, const VolumeOrigin& origin,
                                                               const WorldBudget& budget) {
+  if (bytes.file && origin.component.growing) bytes.file->tolerate_writes();
   BytesResult unpacked = unpacked_file(path, bytes, budget);
   if (auto* problem = std::get_if<std::string>(&unpacked)) return std::move(*problem);
   const VolumeFile file{path,
@@ -200,6 +209,7 @@ std::variant<qnv::VolumeSource, std::string> open_volume_file(const std::string&
   if (const auto changed = file.content.file ? file.content.file->changed() : std::nullopt)
     return path + ": " + *changed;
   if (const auto* problem = std::get_if<std::string>(&result)) return path + ": " + *problem;
+  note_choices(std::get<qnv::VolumeSource>(result), file.component);
   if (const auto problem = too_large_slices(std::get<qnv::VolumeSource>(result).layout, *budget))
     return path + ": " + *problem;
   return result;

@@ -1,11 +1,8 @@
 #include "app/formats/vtk/bookkeeping.h"
 
-#include "base/text.h"
-
 #include <algorithm>
 #include <cstddef>
 #include <span>
-#include <string>
 #include <type_traits>
 #include <utility>
 
@@ -21,15 +18,6 @@ bool has_hidden_point(std::span<const std::int32_t> corners, const GhostFlags& o
 }
 
 }  // namespace
-
-bool is_bookkeeping(std::string_view name) {
-  const std::string lower = lower_case(name);
-  static constexpr std::string_view kParts[] = {
-      "vtkoriginal",     "vtkghost",       "globalnodeid",    "globalelementid",   "globalid",       "globalpointid",
-      "globalcellid",    "pedigree",       "objectid",        "processid",         "vtkvalidpoint",  "originalids",
-      "originalpointid", "originalcellid", "originalcell_id", "vtkcompositeindex", "vtkblockcolors", "vtkinsidednes"};
-  return std::ranges::any_of(kParts, [&](std::string_view part) { return lower.find(part) != std::string::npos; });
-}
 
 // Flags of vtkDataSetAttributes.h.
 bool is_hidden_cell(std::uint8_t flags) {

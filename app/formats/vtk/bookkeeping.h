@@ -7,11 +7,8 @@
 #include <string_view>
 #include <vector>
 
-// Arrays with which programs number, own and hide points and cells.
+// Arrays with which programs hide points and cells (is_bookkeeping() in dataset_list.h knows their names).
 namespace gs::app {
-
-/// Returns true if the name of an array tells that programs number points and cells with it, so that it is no result.
-[[nodiscard]] bool is_bookkeeping(std::string_view name);
 
 /// Flags of hidden points or cells, as vtkGhostType has them. An empty list hides nothing.
 using GhostFlags = std::vector<std::uint8_t>;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 #include <utility>
+#include <variant>
 
 namespace gs::app {
 namespace {
@@ -159,26 +160,73 @@ class PolyBuilder {
 };
 
 /// Returns the key for the values of all blocks; nullopt if none has values without colours.
-std::optional<ColorKey> key_of_blocks(std::span<const PolyBlock> blocks) {
-  std::vector<float> ends;
-  const std::string* title = nullptr;
-  for (const PolyBlock& block : blocks) {
-    const PolyData::Data& shown = block.data.shown();
-    if (!shown.colors.empty() || shown.values.empty()) continue;
-    if (!title) title = &shown.title;
-    std::optional<std::pair<float, float>> range;
-    for (const float value : shown.values) {
-      if (!std::isfinite(value)) continue;
-      if (!range) range.emplace(value, value);
-      range->first = std::min(range->first, value);
-      range->second = std::max(range->second, value);
-    }
-    if (range) ends.insert(ends.end(), {range->first, range->second});
+std::optional<ColorKey> key_of_blocks(std::span<const PolyBlock> blocks, MeshBuilder& builder) {
+  std::vector<const PolyData::Data*> valued;
+  for (const PolyBlock& block : blocks)
+    if (const PolyData::Data& shown = block.data.shown(); shown.colors.empty() && !shown.values.empty())
+      valued.push_back(&shown);
+  if (valued.empty()) return std::nullopt;
+  if (valued.size() == 1) return color_key_of_choice(valued[0]->values, valued[0]->title, builder.choice());
+  std::vector<float> all;
+  for (const PolyData::Data* const data : valued) {
+    builder.draw(data->values.size() * sizeof(float));
+    all.insert(all.end(), data->values.begin(), data->values.end());
   }
-  return title ? std::optional(color_key_over(ends, viridis_colors(), *title)) : std::nullopt;
+  return color_key_of_choice(all, valued[0]->title, builder.choice());
 }
 
 }  // namespace
+
+double shown_number(std::span<const double> parts, const VoxelComponent& choice) {
+  if (parts.size() == 1) return parts[0];
+  if (choice.chosen && !choice.magnitude) return parts[std::min<std::size_t>(choice.index, parts.size() - 1)];
+  double square = 0;
+  for (const double part : parts) square += part * part;
+  return std::sqrt(square);
+}
+
+std::string part_text(std::size_t parts, const VoxelComponent& choice) {
+  if (parts <= 1) return {};
+  if (!choice.chosen || choice.magnitude) return " (length)";
+  return " (component " + std::to_string(std::min<std::size_t>(choice.index, parts - 1)) + ")";
+}
+
+std::string entry_path(bool of_points, std::string_view name) {
+  return (of_points ? "/PointData/" : "/CellData/") + std::string(name);
+}
+
+DatasetEntry surface_entry(bool of_points, std::string_view name, std::uint64_t rows, std::uint64_t components,
+                           std::string_view type, std::string_view unit) {
+  DatasetEntry entry;
+  entry.path = entry_path(of_points, name);
+  entry.shape = {rows};
+  if (components > 1) entry.shape.push_back(components);
+  entry.type = type;
+  entry.unit = unit;
+  entry.form = DatasetForm::mesh;
+  entry.note = of_points ? "data of points" : "data of cells";
+  entry.is_minor = is_bookkeeping(name);
+  return entry;
+}
+
+bool choose_surface_entry(std::vector<DatasetEntry> entries, MeshBuilder& builder,
+                          const std::function<void(std::size_t entry)>& choose, std::string usual) {
+  const VoxelComponent& choice = builder.choice();
+  const auto chosen = choice.dataset.empty() ? std::variant<std::size_t, std::string>(std::size_t{0})
+                                             : choose_dataset(entries, choice.dataset);
+  if (!choice.dataset.empty() && std::holds_alternative<std::size_t>(chosen)) {
+    usual = entries[std::get<std::size_t>(chosen)].path;
+    choose(std::get<std::size_t>(chosen));
+  }
+  if (choice.found) {
+    *choice.found = {};
+    choice.found->entries = std::move(entries);
+    choice.found->shown = std::move(usual);
+  }
+  const auto* const problem = std::get_if<std::string>(&chosen);
+  if (problem) builder.fail(*problem);
+  return !problem;
+}
 
 void build_poly_data(PolyData data, MeshBuilder& builder) {
   std::vector<PolyBlock> blocks;
@@ -187,7 +235,7 @@ void build_poly_data(PolyData data, MeshBuilder& builder) {
 }
 
 void build_poly_blocks(std::vector<PolyBlock> blocks, MeshBuilder& builder) {
-  const std::optional<ColorKey> key = key_of_blocks(blocks);
+  const std::optional<ColorKey> key = key_of_blocks(blocks, builder);
   for (PolyBlock& block : blocks) PolyBuilder(std::move(block), key, builder).run();
   if (key) builder.set_color_key(*key);
 }

@@ -1,11 +1,15 @@
 #pragma once
 
+#include "app/formats/common/dataset_list.h"
 #include "app/formats/common/mesh_asset.h"
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace gs::app {
@@ -43,9 +47,23 @@ struct PolyBlock {
   PolyData data;
 };
 
+/// Returns the number of a value with several parts that a user chose, or the length of the vector.
+[[nodiscard]] double shown_number(std::span<const double> parts, const VoxelComponent& choice);
+/// Returns the end of a title: " (length)" or " (component 1)" for values of several parts.
+[[nodiscard]] std::string part_text(std::size_t parts, const VoxelComponent& choice);
+
+/// Returns the path of the data of points or cells in the list of a surface's arrays: "/PointData/NAME".
+[[nodiscard]] std::string entry_path(bool of_points, std::string_view name);
+[[nodiscard]] DatasetEntry surface_entry(bool of_points, std::string_view name, std::uint64_t rows,
+                                         std::uint64_t components, std::string_view type, std::string_view unit);
+/// Notes the list of the arrays of a surface, and calls `choose` with the entry of the user's choice. Without a choice,
+/// the entry `usual` is shown. Reports a wrong choice and returns false.
+[[nodiscard]] bool choose_surface_entry(std::vector<DatasetEntry> entries, MeshBuilder& builder,
+                                        const std::function<void(std::size_t entry)>& choose, std::string usual);
+
 /// Adds the data to the mesh: polygons and strips as faces, lines, vertices (or all points, if there are no cells) as
-/// points. Scalars are coloured with Viridis; point scalars take precedence over
-/// cell scalars. The colour key describes their range. Throws OutOfBudget.
+/// points. Scalars are coloured as the builder's choice states; point scalars take
+/// precedence over cell scalars. The colour key describes their range. Throws OutOfBudget.
 void build_poly_data(PolyData data, MeshBuilder& builder);
 /// Adds the blocks of a surface with their names. They share a colour key. Throws OutOfBudget.
 void build_poly_blocks(std::vector<PolyBlock> blocks, MeshBuilder& builder);

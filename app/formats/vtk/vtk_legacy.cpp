@@ -41,13 +41,16 @@ class LegacyImporter {
   LegacyImporter(std::span<const std::byte> bytes, MeshBuilder& builder)
       : cursor_(bytes), lines_(cursor_.next), builder_(builder) {}
 
-  /// Returns an empty surface if the file has no points; `failed` tells that the file is of another kind.
-  PolyData run(bool& failed) {
+  /// Returns an empty surface if the file has no points. `failed` tells that a message was given: the file is of another
+  /// kind, or the user chose a missing array. `lists` notes the arrays for the user.
+  PolyData run(bool lists, bool& failed) {
     failed = !read_head();
     if (failed) return {};
     while (problem_.empty() && next_line()) part();
     if (!problem_.empty()) builder_.fail(problem_, place());
     if (data_.points.empty()) return {};
+    failed = lists && !note_arrays();
+    if (failed) return {};
     if (grid_.cells.ends.empty()) {
       remove_hidden_cells(ghost_cells_, ghost_points_, data_);
     } else {
@@ -76,6 +79,18 @@ class LegacyImporter {
     builder_.fail("the DATASET is " + dataset.substr(0, 80) + "; expected POLYDATA or UNSTRUCTURED_GRID", place());
     return false;
   }
+  // Notes the arrays and the one that is shown. Reports a wrong choice and returns false.
+  bool note_arrays() {
+    if (cells_rank_ == chosen && points_rank_ != chosen) data_.of_points = {};
+    const bool by_cell = data_.of_points.empty() && !data_.of_cells.empty();
+    const Shown shown = shown_[by_cell ? 1 : 0];
+    if (!choose_surface_entry(
+            std::move(entries_), builder_, [](std::size_t) {}, shown.path))
+      return false;
+    if (builder_.choice().found) builder_.choice().found->components = shown.components;
+    return true;
+  }
+
   [[nodiscard]] SourceLocation place() { return lines_.location(cursor_.next); }
 
   // Moves to the next non-empty line. Returns false at the end of the file.
@@ -251,7 +266,7 @@ class LegacyImporter {
   }
 
   // Priority of point or cell data for display. The data with the lowest value are shown.
-  enum Rank : int { scalars, one_number, several, nothing };
+  enum Rank : int { chosen, scalars, one_number, several, nothing };
 
   void attribute(const std::string& keyword) {
     const std::string title = name();
@@ -312,18 +327,28 @@ class LegacyImporter {
     }
   }
 
+  // Reports whether the user chose this array, by "PointData/NAME" or a part of its end.
+  [[nodiscard]] bool is_chosen(const std::string& name) const {
+    const std::string& wanted = builder_.choice().dataset;
+    const std::string path = entry_path(of_points_, name);
+    return !wanted.empty() && (path == wanted || path.ends_with((wanted.front() == '/' ? "" : "/") + wanted));
+  }
+
   void values(const std::string& title, const std::string& type, std::uint64_t components, Rank rank, bool colors) {
+    entries_.push_back(surface_entry(of_points_, title, *rows_, components, type, {}));
+    if (is_bookkeeping(title)) rank = nothing;
+    if (is_chosen(title)) rank = chosen;
+    if (rank == chosen && builder_.choice().chosen) colors = false;
     constexpr std::uint64_t kMaxComponents = 64;
     if (components == 0 || components > kMaxComponents) {
       problem_ = std::to_string(components) + " components; expected 1 to " + std::to_string(kMaxComponents);
       return;
     }
     if (title == kGhostArray && components == 1) return flags(type);
-    if (is_bookkeeping(title)) rank = nothing;
     Rank& shown = of_points_ ? points_rank_ : cells_rank_;
     const bool better = rank < shown;
     PolyData::Data data;
-    data.title = title.substr(0, 80) + (components > 1 && !colors ? " (length)" : "");
+    data.title = title.substr(0, 80) + (colors ? "" : part_text(components, builder_.choice()));
     if (better) draw_for(*rows_, colors ? sizeof(vrml::Color) : sizeof(float));
     std::array<double, kMaxComponents> parts{};
     std::size_t part = 0;
@@ -340,12 +365,11 @@ class LegacyImporter {
         data.colors.push_back({share(0), share(1), share(2)});
         return;
       }
-      double length = 0;
-      for (std::size_t i = 0; i < components; ++i) length += parts[i] * parts[i];
-      data.values.push_back(static_cast<float>(components == 1 ? parts[0] : std::sqrt(length)));
+      data.values.push_back(static_cast<float>(shown_number(std::span(parts).first(components), builder_.choice())));
     });
     if (!better || (!whole && data.empty())) return;
     shown = rank;
+    shown_[of_points_ ? 0 : 1] = {entry_path(of_points_, title), components};
     (of_points_ ? data_.of_points : data_.of_cells) = std::move(data);
   }
 
@@ -368,6 +392,13 @@ class LegacyImporter {
   bool binary_ = false, of_points_ = true;
   std::optional<std::uint64_t> rows_;  // number of rows of point or cell data; nullopt before such a section
   Rank points_rank_ = nothing, cells_rank_ = nothing;
+  /// Array that is shown: its path in the list, and its numbers per row.
+  struct Shown {
+    std::string path;
+    std::uint64_t components = 1;
+  };
+  std::array<Shown, 2> shown_{};  // of points, of cells
+  std::vector<DatasetEntry> entries_;
   PolyData data_;
   GridCells grid_;
   GhostFlags ghost_points_, ghost_cells_;
@@ -384,7 +415,7 @@ bool is_vtk_legacy(std::span<const std::byte> bytes) { return text_of(bytes).sta
 void import_vtk_legacy(std::span<const std::byte> bytes, MeshBuilder& builder) {
   if (!is_vtk_legacy(bytes)) return builder.fail("expected '" + std::string(kLegacyMark) + "'", {1, 1});
   bool failed = false;
-  PolyData data = LegacyImporter(bytes, builder).run(failed);
+  PolyData data = LegacyImporter(bytes, builder).run(true, failed);
   if (data.points.empty()) return failed ? void() : builder.warn("no points in the file");
   build_poly_data(std::move(data), builder);
 }
@@ -393,7 +424,7 @@ void import_vtk_legacy(std::span<const std::byte> bytes, MeshBuilder& builder) {
 
 PolyData read_vtk_legacy(std::span<const std::byte> bytes, MeshBuilder& builder) {
   bool failed = false;
-  return LegacyImporter(bytes, builder).run(failed);
+  return LegacyImporter(bytes, builder).run(false, failed);
 }
 
 extern constinit const ContentType kVtkLegacyFormat = mesh_type(

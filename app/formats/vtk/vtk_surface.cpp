@@ -239,14 +239,11 @@ void VtkSurfaceReader::read_data(std::size_t piece, std::size_t first, std::uint
   if (!array || array->components == 0 || array->components > kMaxComponents || count > kMaxPolyPoints) return;
   const auto values = numbers(*array, count * array->components);
   if (!values) return;
-  const bool one = choice_.chosen && !choice_.magnitude && array->components > 1 && choice_.index < array->components;
   const bool colors = array->type == "uint8" && (array->components == 3 || array->components == 4) && !choice_.chosen;
+  if (choice_.found) choice_.found->components = array->components;
   builder_.draw(count * (colors ? sizeof(vrml::Color) : sizeof(float)));
   if (data.title.empty())
-    data.title = array->name.substr(0, 80) +
-                 (one                     ? " (component " + std::to_string(choice_.index) + ")"
-                  : array->components > 1 ? " (length)"
-                                          : "") +
+    data.title = array->name.substr(0, 80) + part_text(array->components, choice_) +
                  (array->units.empty() ? "" : " (" + array->units + ")");
   if (colors)
     data.colors.resize(first, kWithoutData);
@@ -263,13 +260,7 @@ void VtkSurfaceReader::read_data(std::size_t piece, std::size_t first, std::uint
       data.colors.push_back({share(0), share(1), share(2)});
       return;
     }
-    double length = parts[one ? choice_.index : 0];
-    if (array->components > 1 && !one) {
-      length = 0;
-      for (std::size_t i = 0; i < array->components; ++i) length += parts[i] * parts[i];
-      length = std::sqrt(length);
-    }
-    data.values.push_back(static_cast<float>(length));
+    data.values.push_back(static_cast<float>(shown_number(std::span(parts).first(array->components), choice_)));
   });
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/interface/base/ui_data.h"
 #include "app/interface/base/ui_tools.h"
 #include "app/session/documents/session_log.h"
 #include "app/session/viewports/view.h"
@@ -126,6 +127,7 @@ struct UiModel {
   glm::vec2 pointer{0};
 
   UiTools tools;
+  UiData data;
 };
 
 /// Requests of the user in this frame.
@@ -151,6 +153,7 @@ struct UiActions {
   std::optional<std::size_t> open_bookmark, remove_bookmark;  // indices in UiModel::bookmarks
   std::optional<bool> restore;                                // answer to the question whether to open the lost files
   UiToolActions tools;
+  UiDataActions data;
 };
 
 }  // namespace gs::app

@@ -1,5 +1,6 @@
 #include "app/interface/panels/panels.h"
 
+#include "app/interface/panels/data_panel.h"
 #include "app/interface/panels/inspect_panels.h"
 #include "app/interface/panels/log_panel.h"
 #include "app/interface/panels/measure_panel.h"
@@ -13,6 +14,7 @@ namespace {
 constexpr PanelRow kPanels[] = {
     {"transfer-function", "Transfer function", DockSide::right, Action::transfer, make_panel<TransferPanel>},
     {"scene-tree", "Scene tree", DockSide::left, Action::scene_tree, make_panel<ScenePanel>},
+    {"data", "Data", DockSide::right, Action::data, make_panel<DataPanel>},
     {"inspector", "Inspector", DockSide::right, Action::inspector, make_panel<InspectorPanel>},
     {"routes", "Routes", DockSide::bottom, Action::routes, make_panel<RoutesPanel>},
     {"script-console", "Script console", DockSide::bottom, Action::script_console, make_panel<ConsolePanel>},

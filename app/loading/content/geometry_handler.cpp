@@ -2,6 +2,7 @@
 
 #include "app/base/local_file.h"
 #include "app/base/temporary_file.h"
+#include "app/formats/flow/flow_mesh.h"
 #include "app/formats/volume/coarser_volume.h"
 #include "net/limits/clock.h"
 #include "qnv/codecs/octree/lod/lod_source.h"
@@ -56,6 +57,10 @@ void GeometryHandler::read_whole(std::span<const std::byte> bytes, const std::st
   file.local = found_.local;
   file.to_draw = !loading_.options.whole_surfaces;
   file.origin = {loading_.fetcher.reader_of(found_.origin), file_name_of(found_), loading_.options.component};
+  if (!notes_datasets_) file.origin.component.found.reset();
+  // The mesh of a flow needs all components.
+  if (show_mesh_ && file.origin.component.flow != FlowForm::values)
+    file.origin.component.chosen = file.origin.component.magnitude = false;
   if (!is_node()) {
     file.loss = loading_.options.loss;
     file.loss_seed = loading_.options.loss_seed;
@@ -78,7 +83,7 @@ void GeometryHandler::read_volume(const ContentType& type, const GeometryFile& f
     if (one.file == file.path) one.file = found_.path;  // not that of a temporary file
     loading_.results.diagnostics().add(std::move(one));
   }
-  if (!source) return;
+  if (!source || show_flow(*source, file.origin.component)) return;
   // Without views, only the finest version counts.
   if (loading_.options.by_view)
     add_coarser(*source);
@@ -89,6 +94,16 @@ void GeometryHandler::read_volume(const ContentType& type, const GeometryFile& f
   versions_.push_back(std::move(*source));
   while (has_more() && !show_next_version()) {
   }
+}
+
+bool GeometryHandler::show_flow(const qnv::VolumeSource& source, const VoxelComponent& choice) {
+  if (!show_mesh_ || choice.flow == FlowForm::values) return false;
+  Deadline deadline(loading_.limit);
+  MeshAsset mesh =
+      flow_mesh(source, choice, found_.path, deadline.progress, loading_.budget, loading_.results.diagnostics());
+  if (mesh.empty()) return false;
+  show_mesh_(std::move(mesh));
+  return true;
 }
 
 void GeometryHandler::read_more() { (void)show_next_version(); }

@@ -29,9 +29,15 @@ class GeometryHandler final : public ResourceHandler {
   /// Callback that receives each better version of the vectors.
   using Show = std::function<void(const std::shared_ptr<const qnv::Geometry>&)>;
   using Progress = std::function<void(double)>;
+  /// Callback that receives the vectors of a volume as a mesh (VoxelComponent::flow).
+  using ShowMesh = std::function<void(MeshAsset)>;
   /// Creates a handler. A `request` without content means that the file is the world itself.
   GeometryHandler(Loading& loading, UrlRequest request, Show show, Progress progress = {});
   ~GeometryHandler() override;
+  /// Lets the handler write the datasets of the file to VoxelComponent::found. Otherwise it may belong to another file.
+  void note_datasets() { notes_datasets_ = true; }
+  /// Lets the handler show the vectors of a volume as arrows or streamlines.
+  void show_flow_by(ShowMesh show) { show_mesh_ = std::move(show); }
   void tell_progress(double fraction) override {
     if (progress_) progress_(fraction);
   }
@@ -57,6 +63,8 @@ class GeometryHandler final : public ResourceHandler {
   void read_whole(std::span<const std::byte> bytes, const std::string& path);
   /// Opens a volume and shows its coarsest version.
   void read_volume(const ContentType& type, const GeometryFile& file);
+  /// Shows the vectors of a volume as a mesh. Returns false if that is not wanted, or if it fails.
+  bool show_flow(const qnv::VolumeSource& source, const VoxelComponent& choice);
   /// Shows the next version of a volume. Returns false if it has nothing to show.
   bool show_next_version();
   void report_problems(const std::vector<qnv::StreamProblem>& problems, Severity severity);
@@ -66,6 +74,8 @@ class GeometryHandler final : public ResourceHandler {
   [[nodiscard]] bool is_node() const { return request_.content != vrml::UrlContent::none; }
 
   Show show_;
+  bool notes_datasets_ = false;
+  ShowMesh show_mesh_;  // null if vectors are shown as volumes only
   Progress progress_;
   Way way_ = Way::unknown;
   Share decoded_;

@@ -106,6 +106,7 @@ class MeshContent final : public SceneContent {
     ImportSource source{bytes, found.path, loading.fetcher.reader_of(found.origin), loading.budget,
                         loading.results.diagnostics()};
     source.component = loading.options.component;
+    if (!target_.is_root()) source.component.found.reset();
     source.for_x3d = target_.in_x3d();
     source.local = found.local;
     auto scene = import_scene(type_, source, read_confined);
@@ -130,12 +131,14 @@ class VectorContent final : public SceneContent {
         target.loading(), std::move(request),
         [this](const std::shared_ptr<const qnv::Geometry>& geometry) { show(geometry); });
     geometry_->begin(target.found());
+    if (target.is_root()) geometry_->note_datasets();
+    geometry_->show_flow_by([this](MeshAsset mesh) { show_mesh(std::move(mesh)); });
   }
 
   bool whole_file(const net::MappedFile& file, const std::string& path) override {
     geometry_->cut = cut;
     (void)geometry_->whole_file(file, path);
-    if (!node_) target_.refuse();
+    if (!node_ && !is_mesh_) target_.refuse();
     return true;
   }
   void receive(std::span<const std::byte> bytes) override {
@@ -145,7 +148,7 @@ class VectorContent final : public SceneContent {
   void end(bool damaged) override {
     geometry_->cut = cut || damaged;
     geometry_->end(std::nullopt);
-    if (!node_) target_.refuse();
+    if (!node_ && !is_mesh_) target_.refuse();
   }
   void receive_piece(const net::CellEvent& event) override { geometry_->receive_piece(event); }
   [[nodiscard]] bool has_more() const override { return node_ && geometry_->has_more(); }
@@ -165,9 +168,18 @@ class VectorContent final : public SceneContent {
     target_.loading().results.add(ResourceUpdates::Geometry{{target_.scene(), node_}, {}, geometry});
   }
 
+  void show_mesh(MeshAsset mesh) {
+    Loading& loading = target_.loading();
+    auto scene = scene_of(std::move(mesh), target_.found().path, loading.budget, loading.results.diagnostics());
+    if (scene->roots().empty()) return;
+    is_mesh_ = true;
+    target_.replace_scene(std::move(scene));
+  }
+
   SceneTarget& target_;
   std::shared_ptr<GeometryHandler> geometry_;
   vrml::NodeId node_;
+  bool is_mesh_ = false;  // vectors are shown as a mesh
 };
 
 /// Volume or mesh; the whole file decides.
@@ -213,6 +225,7 @@ class DatasetContent final : public SceneContent {
     Diagnostics ignored;  // the content reports problems
     ImportSource source{bytes, path, read_file, loading.budget, ignored};
     source.component = loading.options.component;
+    if (!target_.is_root()) source.component.found.reset();
     source.local = true;
     const ContentType& type = type_of_content(type_, source);
     target_.set_type(type);

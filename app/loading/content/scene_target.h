@@ -31,6 +31,7 @@ class SceneTarget {
   void replace_scene(std::unique_ptr<vrml::SceneGraph> scene);
   [[nodiscard]] Loading& loading() const { return loading_; }
   [[nodiscard]] const Found& found() const { return found_; }
+  [[nodiscard]] bool is_root() const { return is_root_; }
   [[nodiscard]] bool in_x3d() const { return in_x3d_; }
   /// Returns the scene, or null before it begins. After the hand-over it is only an identity.
   [[nodiscard]] vrml::SceneGraph* scene() const { return read_scene_.get(); }

@@ -284,6 +284,7 @@ void Fetcher::local_step() {
   }
   if (fetch.stage == Fetch::Stage::receiving && !fetch.rest.empty()) return;
   local_.pop_front();
+  if (fetch.file && loading_.options.component.growing) fetch.file->tolerate_writes();
   finish(fetch, fetch.file ? fetch.file->changed() : std::nullopt);
 }
 

@@ -34,6 +34,7 @@ struct LoadOptions {
   bool whole_surfaces = false;                   // true makes displaced surfaces arrays, not patches for cuts
   bool offline = false;                          // true forbids all network access
   bool allow_network = false;                    // also for Scripts that have read private files
+  bool follow = false;                           // true reads files again when they change
   std::vector<std::string> allowed;              // files and folders outside its own folder that a local world may read
   bool by_view = false;                          // true lets views choose ranges of long streams on servers
   bool large_by_view = false;                    // the same, but only of streams that are not decoded as a whole

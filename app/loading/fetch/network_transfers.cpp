@@ -278,6 +278,7 @@ std::vector<FileResult> NetworkTransfers::read_all_now(std::span<const Wanted> w
     net::Request made;
     made.url = without_fragment(one.url);
     made.from = from;
+    if (loading_.options.component.growing) made.cache = net::CacheUse::reload;
     made.ranges = std::move(ranges);
     made.priority = static_cast<int>(Urgency::world) * kUrgencyStep;
     request.id = loader().request(std::move(made));

@@ -5,10 +5,13 @@
 #include "app/view/navigation.h"
 
 #include <algorithm>
+#include <charconv>
 #include <utility>
 
 namespace gs::app {
 namespace {
+
+constexpr std::string_view kViewMark = "#view=";
 
 /// Sets viewer_dependent if a node of a scene needs it, from node index `first` on. Checks all nodes of the scene's
 /// Inlines.
@@ -219,7 +222,26 @@ DocumentList::Entry* DocumentList::entry_of(std::uint64_t reading) {
   return place == entries_.end() ? nullptr : &*place;
 }
 
+std::string further_view(std::string_view path, std::size_t number) {
+  return file_of_view(path) + std::string(kViewMark) + std::to_string(number);
+}
+
+std::size_t view_number(std::string_view path) {
+  const std::size_t mark = path.rfind(kViewMark);
+  if (mark == std::string_view::npos) return 1;
+  const std::string_view digits = path.substr(mark + kViewMark.size());
+  std::size_t number = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  return error == std::errc() && end == digits.data() + digits.size() && number >= 2 ? number : 1;
+}
+
+std::string file_of_view(std::string_view path) {
+  return std::string(view_number(path) == 1 ? path : path.substr(0, path.rfind(kViewMark)));
+}
+
 std::string file_label(std::string_view path) {
+  if (const std::size_t number = view_number(path); number > 1)
+    return file_label(file_of_view(path)) + " (" + std::to_string(number) + ")";
   while (path.size() > 1 && path.back() == '/') path.remove_suffix(1);
   const std::size_t slash = path.find_last_of('/');
   return std::string(slash == std::string_view::npos || slash + 1 == path.size() ? path : path.substr(slash + 1));

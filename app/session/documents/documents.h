@@ -40,6 +40,7 @@ struct Document {
   const void* viewer = nullptr;           // view with the camera that the sensors follow; never dereferenced
   std::optional<glm::dvec3> destination;  // destination of that camera's animated move
   WorldEdits edits;                       // edits of the user
+  VoxelComponent data;                    // choice of data with which it was read; its list has those of the file
   bool controlled = false;                // changed by a --control client, which may also have created its Scripts
 
   [[nodiscard]] bool has_vectors() const { return has_surface_vectors || has_volumes; }
@@ -121,7 +122,14 @@ class DocumentList {
   std::uint64_t readings_ = 0;
 };
 
-/// Returns the last part of a path or URL.
+/// Returns the last part of a path or URL; behind it the number of a further view of the file.
 [[nodiscard]] std::string file_label(std::string_view path);
+
+/// Entries of the list may be further views of a file, with other data of it: "run.h5#view=2".
+[[nodiscard]] std::string further_view(std::string_view path, std::size_t number);
+/// Returns the number of a further view, at least 2; 1 for a path without one.
+[[nodiscard]] std::size_t view_number(std::string_view path);
+/// Returns the path of the file of an entry.
+[[nodiscard]] std::string file_of_view(std::string_view path);
 
 }  // namespace gs::app

@@ -38,6 +38,15 @@ std::optional<std::size_t> SeriesList::step_of(const std::string& name) const {
   return series && !series->times.empty() ? std::optional(series->wanted) : std::nullopt;
 }
 
+bool SeriesList::refresh(const std::string& name, bool newest) {
+  Series* const series = find(name);
+  auto files = series ? file_series(name) : std::nullopt;
+  if (!files || files->size() <= series->files.size()) return false;
+  series->files = std::move(*files);
+  if (newest && !series->playing) series->wanted = series->files.size() - 1;
+  return true;
+}
+
 SeriesList::Series* SeriesList::find(const std::string& name) {
   const auto found = series_.find(name);
   return found == series_.end() ? nullptr : &found->second;

@@ -26,6 +26,9 @@ class SeriesList {
   /// Returns the path of the file to read for a name. For a name that is no series, returns the name itself. The first
   /// call for a name searches the folder for its files.
   [[nodiscard]] std::string file_of(const std::string& name);
+  /// Searches the folder of a series for further files. With `newest`, the last one is wanted. Returns true if there
+  /// are more.
+  bool refresh(const std::string& name, bool newest);
   /// Returns the series of a name, or null if the name is not a series.
   [[nodiscard]] Series* find(const std::string& name);
   [[nodiscard]] const Series* find(const std::string& name) const;

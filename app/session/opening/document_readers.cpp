@@ -1,5 +1,6 @@
 #include "app/session/opening/document_readers.h"
 
+#include "app/formats/common/dataset_list.h"
 #include "render/scene/late_meshes.h"
 
 #include <algorithm>
@@ -50,10 +51,15 @@ void DocumentReaders::begin() {
     step_.frame.news = true;
     std::erase_if(failed_loads_, [&](const Loads& one) { return one.path == reading->path; });
     LoadOptions load = load_;
-    if (const auto step = peers_.series.step_of(reading->path))
+    load.component = peers_.data.of(reading->path);
+    load.component.found = std::make_shared<DatasetList>();
+    load.component.growing = peers_.follower.follows(reading->path);
+    if (peers_.follower.shows_newest(reading->path))
+      load.component.step = qnv::ShownStep{0, kNewestStep};
+    else if (const auto step = peers_.series.step_of(file_of_view(reading->path)))
       load.component.step = qnv::ShownStep{static_cast<std::uint32_t>(*step), std::nullopt};
-    auto reader = std::make_shared<WorldReader>(peers_.series.file_of(reading->path), std::move(load), wake_);
-    readers_.push_back({std::move(*reading), std::move(reader), {}});
+    auto reader = std::make_shared<WorldReader>(peers_.series.file_of(file_of_view(reading->path)), load, wake_);
+    readers_.push_back({std::move(*reading), std::move(reader), load.component, {}});
   }
 }
 
@@ -64,7 +70,7 @@ bool DocumentReaders::take_news() {
     if (*one.reading.cancelled) {
       one.reader->retire();
       retired_.push_back(std::move(one.reader));
-    } else if (peers_.series.holds_back(one.reading.path, step_.now)) {
+    } else if (peers_.series.holds_back(file_of_view(one.reading.path), step_.now)) {
       ++i;
       continue;
     } else {
@@ -91,6 +97,8 @@ bool DocumentReaders::take_news() {
 bool DocumentReaders::take_document(const Reader& from, WorldReader::News& news) {
   const std::string& path = from.reading.path;
   peers_.log.note(path, news.document->world.diagnostics);
+  news.document->data = from.data;
+  if (news.document->is_preview) news.document->data.found.reset();  // the reader thread still writes it
   if (news.document->is_preview) {
     step_.frame.arrived.push_back(path);
     viewports_.loading().preview(from.reading.number, news.document);
@@ -99,11 +107,19 @@ bool DocumentReaders::take_document(const Reader& from, WorldReader::News& news)
   if (!news.document->world.scene) {
     failed_loads_.push_back({path, nullptr, from.reader->ledger()});
     if (failed_loads_.size() > kMaxFailed) failed_loads_.erase(failed_loads_.begin());
+    // A file that is being written may be incomplete. The previous content stays, and the file is read again.
+    if (peers_.follower.note_failed(path)) {
+      (void)viewports_.panes().documents().fail(from.reading.number);
+      if (!viewports_.panes().documents().document(path))
+        viewports_.loading().note_failure(path, "it cannot be read yet; it is read again while it is followed");
+      return true;
+    }
     show_failed(from.reading.number, path, news.document->world.diagnostics);
     return true;
   }
   step_.frame.arrived.push_back(path);
   const std::shared_ptr<Document> document = news.document;
+  peers_.data.note_opened(path, *document);
   peers_.links.note_opened(path, *document);
   if (document->runtime && meshes_) document->runtime->set_mesh_worker(meshes_);
   if (document->runtime && !document->runtime->has_started()) begin_world(*document, world_time());
@@ -111,8 +127,9 @@ bool DocumentReaders::take_document(const Reader& from, WorldReader::News& news)
   peers_.questions.ask(path, document->world.outside);
   document->reader = from.reader;
   viewports_.loading().deliver(from.reading.number, document, viewports_.area().size());
-  if (const auto& steps = document->world.steps) peers_.series.set_steps(path, steps->times, steps->shown);
-  if (peers_.series.arrived(path, step_.now)) viewports_.panes().reload(path);
+  const std::string series = file_of_view(path);
+  if (const auto& steps = document->world.steps) peers_.series.set_steps(series, steps->times, steps->shown);
+  if (peers_.series.arrived(series, step_.now)) viewports_.panes().reload(path);
   (void)apply_updates(*document, path, std::move(news));
   return true;
 }
@@ -174,6 +191,7 @@ void DocumentReaders::show_failed(std::uint64_t reading, const std::string& path
 void DocumentReaders::show(std::shared_ptr<Document> document) {
   std::string path = document->world.path;
   if (path.empty()) path = "world";
+  document->data = peers_.data.of(path);
   viewports_.panes().open(std::vector<std::string>{path});
   if (const auto reading = viewports_.loading().begin())
     viewports_.loading().deliver(reading->number, std::move(document), viewports_.area().size());

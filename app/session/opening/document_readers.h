@@ -2,6 +2,8 @@
 
 #include "app/session/documents/session_log.h"
 #include "app/session/documents/world_reader.h"
+#include "app/session/opening/data_choices.h"
+#include "app/session/opening/follower.h"
 #include "app/session/opening/link_follower.h"
 #include "app/session/opening/series_playback.h"
 #include "app/session/opening/session_questions.h"
@@ -28,6 +30,8 @@ struct ReaderPeers {
   SessionQuestions& questions;
   SeriesList& series;
   LinkFollower& links;
+  DataChoices& data;
+  Follower& follower;
 };
 
 /// Reader threads for the files that viewports show or wait for. One thread.
@@ -69,6 +73,7 @@ class DocumentReaders : NonCopyable {
   struct Reader {
     DocumentList::Reading reading;
     std::shared_ptr<WorldReader> reader;
+    VoxelComponent data;
     LoadingState state;
   };
 

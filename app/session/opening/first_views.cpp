@@ -28,6 +28,7 @@ void FirstViews::show() {
     if (viewports_.linked() && change.pane != panes.active()) panes.link(panes.active());
     if (!step_.simulated) picker_.items().prepare(*seen.list);
   }
+  if (viewports_.loading().settle_over()) step_.frame.news = step_.frame.changed = true;
   for (const std::size_t i : panes.visible()) links_.enter(panes.at(i));
 }
 

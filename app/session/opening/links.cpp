@@ -51,6 +51,7 @@ GivenPlace given_place(const std::string& path_or_url) {
     const auto& known = std::get<SceneLink>(*link);
     return {known.url, known.viewpoint, known.budget, {}};
   }
+  if (view_number(path_or_url) > 1) return {path_or_url, {}, 0, {}};
   const std::size_t mark = path_or_url.rfind('#');
   if (mark == std::string::npos) return {path_or_url, {}, 0, {}};
   GivenPlace parts{path_or_url.substr(0, mark), path_or_url.substr(mark + 1), 0, {}};

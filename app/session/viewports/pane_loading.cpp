@@ -11,6 +11,10 @@ std::optional<DocumentList::Reading> PaneLoading::begin() {
   if (auto reading = documents.begin(panes_.at(panes_.active()).wanted)) return reading;
   for (const std::size_t i : panes_.visible())
     if (auto reading = documents.begin(panes_.at(i).wanted)) return reading;
+  for (const std::size_t i : panes_.visible())
+    if (const View* const view = panes_.at(i).view())
+      for (const View::Over& over : view->over)
+        if (auto reading = documents.begin(over.path)) return reading;
   return std::nullopt;
 }
 
@@ -32,6 +36,10 @@ void PaneLoading::deliver(std::uint64_t reading, std::shared_ptr<Document> docum
   if (!path) return;
   for (Pane& pane : panes_.all()) {
     if (pane.failure && pane.failure->path == *path) pane.failure.reset();
+    for (auto& [shown, view] : pane.views)
+      for (View::Over& over : view.over)
+        if (over.path == *path && over.view)
+          over.view = std::make_shared<View>(renewed(*over.view, document, viewport));
     const auto place = pane.views.find(*path);
     if (place == pane.views.end()) continue;
     place->second =
@@ -39,7 +47,24 @@ void PaneLoading::deliver(std::uint64_t reading, std::shared_ptr<Document> docum
   }
 }
 
+bool PaneLoading::settle_over() {
+  bool any = false;
+  for (const std::size_t i : panes_.visible())
+    if (View* const view = panes_.at(i).view())
+      for (View::Over& over : view->over) {
+        auto document = over.view ? nullptr : panes_.documents().document(over.path);
+        if (!document) continue;
+        over.view = std::make_shared<View>(view_of(std::move(document), view->size, {}, nullptr, style_));
+        any = true;
+      }
+  return any;
+}
+
 void PaneLoading::grow(const Document& document) {
+  for (Pane& pane : panes_.all())
+    for (auto& [path, view] : pane.views)
+      for (const View::Over& over : view.over)
+        if (over.view && over.view->document.get() == &document) (void)follow_world(*over.view);
   for (Pane& pane : panes_.all())
     for (auto& [path, view] : pane.views)
       if (view.document.get() == &document) {

@@ -49,6 +49,8 @@ class PaneLoading {
   /// visible viewports, in the order of Panes::visible(). Initial views are fitted to them until the user moves.
   /// `viewpoint` is the name of the initial Viewpoint; empty means the first one.
   std::vector<Change> settle(std::span<const Viewport> places, std::string_view viewpoint);
+  /// Shows content over that of visible viewports after it has been read. Returns true if there is new content.
+  bool settle_over();
   /// Sets the style of files that are shown for the first time.
   void set_style(const ViewStyle& style) { style_ = style; }
   [[nodiscard]] const ViewStyle& style() const { return style_; }

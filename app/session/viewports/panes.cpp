@@ -161,8 +161,40 @@ void Panes::want(std::size_t pane, const std::string& path) {
   cancel_unwanted();
 }
 
+std::vector<View*> Panes::views_in_sight() {
+  std::vector<View*> views;
+  for (const std::size_t i : visible()) {
+    View* const view = panes_[i].view();
+    if (!view) continue;
+    views.push_back(view);
+    for (const View::Over& over : view->over)
+      if (over.view) views.push_back(over.view.get());
+  }
+  return views;
+}
+
+void Panes::add_over(std::size_t pane, const std::string& path) {
+  View* const view = panes_[pane].view();
+  if (!view || path == panes_[pane].shown ||
+      std::ranges::any_of(view->over, [&](const View::Over& one) { return one.path == path; }))
+    return;
+  if (!documents_.find(path)) documents_.add(path);
+  view->over.push_back({path, nullptr});
+}
+
+void Panes::remove_over(std::size_t pane, std::size_t index) {
+  View* const view = panes_[pane].view();
+  if (!view || index >= view->over.size()) return;
+  view->over.erase(view->over.begin() + static_cast<std::ptrdiff_t>(index));
+  cancel_unwanted();
+}
+
 bool Panes::wanted_by_any(std::string_view path) const {
-  return std::any_of(panes_.begin(), panes_.end(), [&](const Pane& pane) { return pane.wanted == path; });
+  return std::any_of(panes_.begin(), panes_.end(), [&](const Pane& pane) {
+    const View* const view = pane.view();
+    return pane.wanted == path ||
+           (view && std::ranges::any_of(view->over, [&](const View::Over& one) { return one.path == path; }));
+  });
 }
 
 void Panes::cancel_unwanted() {

@@ -93,6 +93,12 @@ class Panes {
   }
   /// Applies the camera of viewport `leader` to all other visible viewports; see link_view().
   void link(std::size_t leader);
+  /// Returns the views of the visible viewports, and those over them.
+  [[nodiscard]] std::vector<View*> views_in_sight();
+  /// Adds a file that is drawn over the content of a viewport. Does nothing if it is there already.
+  void add_over(std::size_t pane, const std::string& path);
+  /// Removes content that is drawn over that of a viewport, by its index.
+  void remove_over(std::size_t pane, std::size_t index);
   /// Returns true if a viewport should show this file.
   [[nodiscard]] bool wanted_by_any(std::string_view path) const;
   /// Releases all keys and drags.

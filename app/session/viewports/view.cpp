@@ -308,46 +308,6 @@ View view_of(std::shared_ptr<Document> document, const glm::vec2& viewport, std:
   return view;
 }
 
-namespace {
-
-// Returns a view of a document with the user's choices for the previous view.
-View with_choices_of(const View& before, std::shared_ptr<Document> document, const glm::vec2& viewport) {
-  View view = view_of(std::move(document), viewport, {}, nullptr, before.style);
-  view.history = before.history;
-  view.look = before.look;
-  view.slices = before.slices;
-  view.volume = before.volume;
-  if (!before.document->is_preview) view.color_bar = before.color_bar;
-  view.headlight = before.headlight;
-  view.budget = before.budget;
-  return view;
-}
-
-}  // namespace
-
-View renewed(const View& before, std::shared_ptr<Document> document, const glm::vec2& viewport) {
-  View view = with_choices_of(before, std::move(document), viewport);
-  // Keep the pose of the viewer, because the user wants to compare the new file with the old one.
-  if (view.rules.allows(before.navigation.mode)) {
-    view.navigation.pose = before.navigation.pose;
-    view.navigation.mode = before.navigation.mode;
-  }
-  return view;
-}
-
-View grown(const View& before, std::shared_ptr<Document> document, const glm::vec2& viewport) {
-  if (!at_home(before)) return renewed(before, std::move(document), viewport);
-  View view = with_choices_of(before, std::move(document), viewport);
-  if (view.document == before.document) view.left = before.left;
-  if (before.viewpoint && *before.viewpoint < view.list->viewpoints.size() && *before.viewpoint != view.viewpoint) {
-    view.viewpoint = before.viewpoint;
-    view.world_from_viewpoint = before.world_from_viewpoint;
-    view.home = before.home;
-    view.navigation.pose = before.home;
-  }
-  return view;
-}
-
 bool at_home(const View& view) {
   const Pose& pose = view.navigation.pose;
   return pose.position == view.home.position && pose.orientation == view.home.orientation && !view.navigation.moving();

@@ -15,6 +15,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -69,6 +70,12 @@ struct View {
   bool color_bar = false;  // draw the colour bar beside the picture
   ViewStyle style;
   PoseHistory history;  // earlier poses of the viewer
+  /// Other content in the same space, which is drawn but neither picked nor collidable.
+  struct Over {
+    std::string path;            // entry of the list of files
+    std::shared_ptr<View> view;  // null until it is read; its camera is not used
+  };
+  std::vector<Over> over;
 };
 
 /// Makes the initial view of a document: at the Viewpoint with the name `viewpoint`, else at the bound or first one.

@@ -144,6 +144,13 @@ std::string color_map_names() {
 
 glm::vec3 color_at(const ColorMap& map, float place) { return map.color(place > 0 ? std::min(place, 1.0f) : 0.0f); }
 
+std::vector<glm::vec3> palette_of(const ColorMap& map) {
+  std::vector<glm::vec3> colors;
+  for (std::size_t i = 0; i < kMapPoints; ++i)
+    colors.push_back(color_at(map, static_cast<float>(i) / static_cast<float>(kMapPoints - 1)));
+  return colors;
+}
+
 Transfer mapped_transfer(const ColorMap& map, OpacityRamp ramp) {
   Transfer transfer;
   for (std::size_t i = 0; i < kMapPoints; ++i) {

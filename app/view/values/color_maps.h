@@ -10,6 +10,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace gs::app {
 
@@ -31,6 +32,9 @@ struct ColorMap {
 
 /// Returns the colour at a position from 0 to 1, as sRGB components in 0..1 for display. Clamps other positions.
 [[nodiscard]] glm::vec3 color_at(const ColorMap& map, float place);
+
+/// Returns evenly spaced colours of a map, for SurfaceColors.
+[[nodiscard]] std::vector<glm::vec3> palette_of(const ColorMap& map);
 
 /// Shape of the opacity in a transfer function that is made from a map.
 enum class OpacityRamp : std::uint8_t {

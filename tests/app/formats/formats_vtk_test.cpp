@@ -1,11 +1,15 @@
 // Tests of VTK surfaces: XML PolyData and legacy files.
 #include "app/formats/common/color_key.h"
+#include "app/formats/common/dataset_list.h"
 #include "app/formats/content_types.h"
 
 #include "tests/app/formats_helpers.h"
 #include "tests/app/volume_files.h"
 
+#include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace gs::app::vtk_test {
@@ -318,6 +322,45 @@ TEST_CASE("legacy VTK: survives every prefix and every flipped bit") {
   for (const std::int64_t corner : {0, 1, 2}) put_big(binary, corner);
   CHECK(imported("legacy VTK", binary).corners() == std::vector<std::int32_t>{0, 1, 2, -1});
   check_prefixes_and_flips("legacy VTK", binary);
+}
+
+TEST_CASE("VTK surfaces: list their arrays, and show the chosen one") {
+  const std::string xml =
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\"><PolyData>\n"
+      "<Piece NumberOfPoints=\"3\" NumberOfPolys=\"1\"><PointData>"
+      "<DataArray type=\"Float32\" Name=\"heat\" format=\"ascii\">1 2 3</DataArray>"
+      "<DataArray type=\"Float32\" Name=\"wind\" NumberOfComponents=\"2\" format=\"ascii\">3 4 0 1 0 0</DataArray>"
+      "</PointData><CellData><DataArray type=\"Int32\" Name=\"load\" format=\"ascii\">7</DataArray></CellData>"
+      "<Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0 0 1 "
+      "0</DataArray></Points>"
+      "<Polys><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 1 2</DataArray>"
+      "<DataArray type=\"Int32\" Name=\"offsets\" "
+      "format=\"ascii\">3</DataArray></Polys></Piece></PolyData></VTKFile>\n";
+  const std::string legacy = kLegacy +
+                             "POLYGONS 1 4\n3 0 1 2\nPOINT_DATA 4\nSCALARS heat float\nLOOKUP_TABLE default\n1 2 3 3\n"
+                             "FIELD F 1\nwind 2 4 float\n3 4 0 1 0 0 0 0\n"
+                             "CELL_DATA 1\nSCALARS load float\nLOOKUP_TABLE default\n7\n";
+  for (const auto& [type, text] : {std::pair("VTK PolyData", xml), std::pair("legacy VTK", legacy)}) {
+    INFO(type);
+    const auto shown = [&](const std::string& dataset, std::optional<std::uint32_t> component = {}) {
+      Import import(type);
+      import.choice.dataset = dataset;
+      import.choice.chosen = component.has_value();
+      import.choice.index = component.value_or(0);
+      import.choice.found = std::make_shared<DatasetList>();
+      const Imported made = imported(import, bytes_of(text));
+      const auto key = color_key_of(*made.scene);
+      const DatasetList& list = *import.choice.found;
+      CHECK(list.entries.size() == (type == std::string_view("legacy VTK") ? 3 : 4));  // with the mesh alone
+      return list.shown + " " + std::to_string(list.components) + " " + (key ? key->title : made.messages()) + " " +
+             (key ? std::to_string(static_cast<int>(key->high)) : "");
+    };
+    CHECK(shown("") == "/PointData/heat 1 heat 3");
+    CHECK(shown("wind") == "/PointData/wind 2 wind (length) 5");
+    CHECK(shown("/PointData/wind", 1) == "/PointData/wind 2 wind (component 1) 4");
+    CHECK(shown("/CellData/load") == "/CellData/load 1 load 7");
+    CHECK(shown("wend").find("no dataset 'wend'; the nearest ones are /PointData/wind") != std::string::npos);
+  }
 }
 
 TEST_CASE("detects VTK files by their content") {

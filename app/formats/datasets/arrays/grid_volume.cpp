@@ -1,5 +1,6 @@
 #include "app/formats/datasets/arrays/grid_volume.h"
 
+#include "app/formats/common/dataset_list.h"
 #include "app/formats/datasets/arrays/slab_reader.h"
 #include "qnv/container/step_table.h"
 #include "qnv/container/value_grid.h"
@@ -190,6 +191,11 @@ class GridBuilder {
     components_ = spec_->arrays.size() > 1 ? spec_->arrays.size()
                   : component_axis_        ? array_.shape[*component_axis_]
                                            : array_.parts;
+    if (choice_.found) {
+      choice_.found->components = components_;
+      choice_.found->component_names = array_.part_names;
+      choice_.found->channels = channels_;
+    }
     if (choice_.channel && *choice_.channel >= channels_)
       return "no channel " + std::to_string(*choice_.channel) + "; expected 0" +
              (channels_ > 1 ? " to " + std::to_string(channels_ - 1) : "");
@@ -215,6 +221,7 @@ class GridBuilder {
       times.resize(static_cast<std::size_t>(count));
       for (std::size_t i = 0; i < times.size(); ++i) times[i] = axis.first + axis.step * static_cast<double>(i);
     }
+    if (choice_.found) choice_.found->times = times;
     if (choice_.step) {
       if (!choice_.step->time && choice_.step->number >= count)
         return "no step " + std::to_string(choice_.step->number) + "; expected 0 to " + std::to_string(count - 1);

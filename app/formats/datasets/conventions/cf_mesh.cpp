@@ -150,6 +150,7 @@ class CfMeshReader {
     for (std::size_t i = axis; i-- > 0;) {
       count[i] = 1;
       if (axes[i].role == AxisRole::time) {
+        if (choice_.found) choice_.found->times = axes[i].values;
         const qnv::ShownStep step = choice_.step.value_or(qnv::ShownStep());
         first[i] = std::min<std::uint64_t>(
             step.time && !axes[i].values.empty() ? qnv::step_number(step, axes[i].values) : step.number,
@@ -161,6 +162,7 @@ class CfMeshReader {
       channels *= array_.shape[i];
     }
     for (const std::uint64_t size : count) bytes *= size;
+    if (choice_.found) choice_.found->channels = channels;
     if (choice_.channel && *choice_.channel >= channels) {
       builder_.fail("no channel " + std::to_string(*choice_.channel) + "; expected 0 to " +
                     std::to_string(channels - 1));

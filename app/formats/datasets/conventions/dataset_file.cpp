@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <numeric>
 #include <utility>
 
 namespace gs::app {
@@ -48,39 +47,6 @@ class TreeFile final : public DatasetFile {
   const Convention* convention_;
   std::vector<DatasetEntry> entries_;
 };
-
-/// Returns the number of changes that turn one text into another (Levenshtein).
-std::size_t distance_of(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t corner = row[0];
-    row[0] = i + 1;
-    for (std::size_t k = 0; k < b.size(); ++k) {
-      const std::size_t above = row[k + 1];
-      row[k + 1] = std::min({above + 1, row[k] + 1, corner + (a[i] == b[k] ? 0 : 1)});
-      corner = above;
-    }
-  }
-  return row.back();
-}
-
-std::string nearest_names(std::span<const DatasetEntry> entries, std::string_view choice) {
-  constexpr std::size_t kMostNames = 5, kMostCompared = 10'000, kLongest = 200;
-  std::vector<std::pair<std::size_t, std::string_view>> near;
-  const std::string wanted = lower_case(name_of_path(choice.substr(0, kLongest)));
-  for (const DatasetEntry& entry : entries.first(std::min(entries.size(), kMostCompared))) {
-    if (entry.form == DatasetForm::nothing) continue;
-    const std::string name = lower_case(name_of_path(entry.path));
-    const bool part = !wanted.empty() && name.find(wanted) != std::string::npos;
-    near.emplace_back(part ? 0 : distance_of(std::string_view(name).substr(0, kLongest), wanted), entry.path);
-  }
-  std::ranges::stable_sort(near, {}, &std::pair<std::size_t, std::string_view>::first);
-  std::string text;
-  for (std::size_t i = 0; i < std::min(near.size(), kMostNames); ++i)
-    text += (i == 0 ? "" : ", ") + std::string(near[i].second);
-  return text;
-}
 
 /// Opens a Zarr or N5 container through one of its metadata files, or in an archive.
 DatasetFileResult open_zarr(const VolumeFile& file) {
@@ -133,48 +99,6 @@ DatasetFileResult open_dataset_file(DatasetFormat format, const VolumeFile& file
   auto made = std::make_unique<TreeFile>(
       DatasetTree(std::get<std::shared_ptr<ArrayFile>>(std::move(opened)), file.content, file.budget));
   return std::unique_ptr<DatasetFile>(std::move(made));
-}
-
-std::variant<std::size_t, std::string> choose_dataset(std::span<const DatasetEntry> entries, std::string_view choice) {
-  if (choice.empty()) {
-    const DatasetEntry* best = nullptr;
-    for (const DatasetEntry& entry : entries)
-      if (entry.form != DatasetForm::nothing && (!best || entry.rank > best->rank)) best = &entry;
-    if (best) return static_cast<std::size_t>(best - entries.data());
-    for (const DatasetEntry& entry : entries)
-      if (!entry.note.empty()) return entry.path + ": " + entry.note;
-    return "none of its " + std::to_string(entries.size()) +
-           " datasets can be shown; expected numbers along 2 to 5 axes (info lists the datasets)";
-  }
-  const auto shown = [&](std::size_t i) -> std::variant<std::size_t, std::string> {
-    if (entries[i].form != DatasetForm::nothing) return i;
-    return entries[i].path + " cannot be shown: " +
-           (entries[i].note.empty() ? "it is " + entries[i].type + ", " + shape_text(entries[i].shape) +
-                                          "; expected numbers along 2 to 5 axes"
-                                    : entries[i].note);
-  };
-  std::string path(choice);
-  if (!path.starts_with('/')) path.insert(0, "/");
-  for (std::size_t i = 0; i < entries.size(); ++i)
-    if (entries[i].path == path) return shown(i);
-  std::optional<std::size_t> ending;
-  for (std::size_t i = 0; i < entries.size(); ++i)
-    if (entries[i].path.ends_with(path)) {
-      if (ending)
-        return "several datasets end with '" + std::string(choice) + "': " + entries[*ending].path + ", " +
-               entries[i].path;
-      ending = i;
-    }
-  if (ending) return shown(*ending);
-  const std::string near = nearest_names(entries, choice);
-  return "no dataset '" + std::string(choice) + "'" + (near.empty() ? "" : "; the nearest ones are " + near);
-}
-
-std::string shape_text(std::span<const std::uint64_t> shape) {
-  if (shape.empty()) return "1 value";
-  std::string text;
-  for (const std::uint64_t size : shape) text += (text.empty() ? "" : " x ") + std::to_string(size);
-  return text;
 }
 
 }  // namespace gs::app

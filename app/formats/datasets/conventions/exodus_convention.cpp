@@ -152,6 +152,7 @@ void exodus_mesh(DatasetTree& tree, const DatasetEntry& entry, const VoxelCompon
   auto read = tree.find("/time_whole") ? tree.values("/time_whole") : std::variant<std::vector<double>, std::string>();
   const auto* const times = std::get_if<std::vector<double>>(&read);
   const std::size_t steps = times ? times->size() : 0;
+  if (choice.found && times) choice.found->times = *times;
   const qnv::ShownStep wanted = choice.step.value_or(qnv::ShownStep());
   const std::size_t step = wanted.time && steps > 0 ? qnv::step_number(wanted, *times) : wanted.number;
   if (step >= std::max<std::size_t>(steps, 1))
@@ -189,16 +190,17 @@ void exodus_mesh(DatasetTree& tree, const DatasetEntry& entry, const VoxelCompon
     }
     if (!shown || shown->of_nodes) continue;
     data.of_cells.values.resize(grid.types.size() - count, NAN);
-    if (const auto values = variable_row(tree, *shown, block, step, builder)) append_values(*values, 1, data.of_cells);
+    if (const auto values = variable_row(tree, *shown, block, step, builder))
+      append_values(*values, 1, choice, data.of_cells);
     data.of_cells.values.resize(grid.types.size(), NAN);
   }
   if (unknown > 0) builder.warn(std::to_string(unknown) + " blocks of unsupported elements are left out");
   if (shown && shown->of_nodes)
     if (const auto values = variable_row(tree, *shown, 0, step, builder)) {
-      append_values(*values, 1, data.of_points);
+      append_values(*values, 1, choice, data.of_points);
       data.of_points.values.resize(data.points.size(), NAN);
     }
-  if (shown) set_title(shown->name, 1, {}, shown->of_nodes ? data.of_points : data.of_cells);
+  if (shown) set_title(shown->name, 1, {}, choice, shown->of_nodes ? data.of_points : data.of_cells);
   if (std::ranges::all_of(data.of_cells.values, [](float value) { return std::isnan(value); })) data.of_cells = {};
   if (!grid.types.empty()) add_grid(grid, data, builder);
   build_poly_data(std::move(data), builder);

@@ -3,27 +3,21 @@
 #include "base/text.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace gs::app {
 
-void append_values(std::span<const double> numbers, std::size_t parts, PolyData::Data& data) {
+void append_values(std::span<const double> numbers, std::size_t parts, const VoxelComponent& choice,
+                   PolyData::Data& data) {
   if (parts == 0) return;
   data.values.reserve(data.values.size() + numbers.size() / parts);
-  for (std::size_t i = 0; i + parts <= numbers.size(); i += parts) {
-    double value = numbers[i];
-    if (parts > 1) {
-      double square = 0;
-      for (std::size_t k = 0; k < parts; ++k) square += numbers[i + k] * numbers[i + k];
-      value = std::sqrt(square);
-    }
-    data.values.push_back(static_cast<float>(value));
-  }
+  for (std::size_t i = 0; i + parts <= numbers.size(); i += parts)
+    data.values.push_back(static_cast<float>(shown_number(numbers.subspan(i, parts), choice)));
 }
 
-void set_title(std::string_view name, std::size_t parts, std::string_view unit, PolyData::Data& data) {
-  data.title = shortened(name, 80);
-  if (parts > 1) data.title += " (length)";
+void set_title(std::string_view name, std::size_t parts, std::string_view unit, const VoxelComponent& choice,
+               PolyData::Data& data) {
+  if (choice.found) choice.found->components = std::max<std::size_t>(parts, 1);
+  data.title = shortened(name, 80) + part_text(parts, choice);
   if (!unit.empty()) data.title += " (" + shortened(unit, 40) + ")";
 }
 

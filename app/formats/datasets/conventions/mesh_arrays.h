@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/formats/common/dataset_list.h"
 #include "app/formats/vtk/bookkeeping.h"
 #include "app/formats/vtk/poly_data.h"
 
@@ -13,11 +14,13 @@
 // Parts of readers that make meshes of arrays.
 namespace gs::app {
 
-/// Appends values of points or cells: single numbers, or the lengths of vectors of `parts` numbers. Numbers without a
-/// whole vector are ignored.
-void append_values(std::span<const double> numbers, std::size_t parts, PolyData::Data& data);
-/// Sets the title of values: name, "(length)" for vectors, and unit.
-void set_title(std::string_view name, std::size_t parts, std::string_view unit, PolyData::Data& data);
+/// Appends values of points or cells: single numbers, or of vectors of `parts` numbers the chosen number or the length.
+/// Numbers without a whole vector are ignored.
+void append_values(std::span<const double> numbers, std::size_t parts, const VoxelComponent& choice,
+                   PolyData::Data& data);
+/// Sets the title of values: name, "(length)" or component for vectors, and unit. Notes the number of components.
+void set_title(std::string_view name, std::size_t parts, std::string_view unit, const VoxelComponent& choice,
+               PolyData::Data& data);
 
 /// Appends points of `parts` coordinates each, 1 to 3.
 void append_points(std::span<const double> numbers, std::size_t parts, std::vector<glm::vec3>& points);

@@ -252,6 +252,7 @@ VolumeResult openpmd_volume(DatasetTree& tree, const DatasetEntry& entry, const 
   std::ranges::stable_sort(series, {}, &std::pair<double, std::string>::first);
   std::vector<double> times;
   for (const auto& [time, path] : series) times.push_back(time);
+  if (choice.found) choice.found->times = times;
   VoxelComponent one = choice;
   one.step.reset();
   if (choice.step) {
@@ -283,9 +284,10 @@ void openpmd_mesh(DatasetTree& tree, const DatasetEntry& entry, const VoxelCompo
   if (!place) return builder.fail(entry.path + " is no record of particles");
   std::string path = entry.path;
   const std::vector<std::string> steps = iterations(tree);
+  std::vector<double> times;
+  for (const std::string& step : steps) times.push_back(iteration_time(tree, step));
+  if (choice.found && times.size() > 1 && place->iteration == steps.front()) choice.found->times = times;
   if (choice.step && place->iteration == steps.front()) {
-    std::vector<double> times;
-    for (const std::string& step : steps) times.push_back(iteration_time(tree, step));
     const std::size_t number = choice.step->time ? qnv::step_number(*choice.step, times) : choice.step->number;
     if (number >= steps.size())
       return builder.fail("no step " + std::to_string(number) + "; expected 0 to " + std::to_string(steps.size() - 1));
@@ -315,8 +317,9 @@ void openpmd_mesh(DatasetTree& tree, const DatasetEntry& entry, const VoxelCompo
     for (double& value : values) value *= unit;
     if (values.size() == count && array->parts == 1) {
       const std::string record = record_of(tree, path);
-      set_title(path.substr(species.size() + 1), 1, si_unit(tree.numbers(record, "unitDimension")), data.of_points);
-      append_values(values, 1, data.of_points);
+      set_title(path.substr(species.size() + 1), 1, si_unit(tree.numbers(record, "unitDimension")), choice,
+                data.of_points);
+      append_values(values, 1, choice, data.of_points);
     }
   }
   build_poly_data(std::move(data), builder);

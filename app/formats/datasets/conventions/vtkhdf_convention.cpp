@@ -118,6 +118,7 @@ class VtkhdfMesh {
 
   void choose_step() {
     const std::vector<double> times = step_times(tree_);
+    if (choice_.found) choice_.found->times = times;
     const double stated = tree_.number("/VTKHDF/Steps", "NSteps").value_or(0);
     steps_ = stated >= 1 && stated < 1e9 ? static_cast<std::uint64_t>(stated) : times.size();
     if (steps_ == 0) return;
@@ -232,8 +233,8 @@ class VtkhdfMesh {
     const auto read = numbers(shown_, first, rows);
     if (!read) return;
     builder_.draw(static_cast<std::uint64_t>(rows) * sizeof(float));
-    if (data.title.empty()) set_title(name_of_path(shown_), parts, tree_.text(shown_, "units"), data);
-    append_values(*read, parts, data);
+    if (data.title.empty()) set_title(name_of_path(shown_), parts, tree_.text(shown_, "units"), choice_, data);
+    append_values(*read, parts, choice_, data);
   }
 
   /// Reads the flags of hidden points or cells, if the file has them.

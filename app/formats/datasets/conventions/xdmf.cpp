@@ -217,6 +217,7 @@ class XdmfFile final : public DatasetFile {
     const qnv::ShownStep wanted = choice.step.value_or(qnv::ShownStep());
     std::vector<double> times;
     for (const XdmfStep& step : steps_) times.push_back(step.time);
+    if (choice.found && times.size() > 1) choice.found->times = times;
     const std::size_t number = wanted.time ? qnv::step_number(wanted, times) : wanted.number;
     if (number < steps_.size()) return number;
     return "no step " + std::to_string(number) + "; expected 0 to " + std::to_string(steps_.size() - 1);
@@ -379,9 +380,9 @@ class XdmfFile final : public DatasetFile {
     const std::size_t each = rows > 0 ? numbers.size() / rows : 0;
     if (each == 0 || each > 64) return true;
     builder.draw(rows * sizeof(float));
-    if (shown.title.empty()) set_title(attributes_[entry], each, entries_[entry].unit, shown);
+    if (shown.title.empty()) set_title(attributes_[entry], each, entries_[entry].unit, builder.choice(), shown);
     shown.values.resize(of_cells ? first_cell : first, NAN);
-    append_values(std::span(numbers).first(rows * each), each, shown);
+    append_values(std::span(numbers).first(rows * each), each, builder.choice(), shown);
     return true;
   }
 

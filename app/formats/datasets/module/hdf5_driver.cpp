@@ -2,6 +2,7 @@
 
 #include "app/formats/datasets/module/hdf5_filters.h"
 
+#include <algorithm>
 #include <cstring>
 
 // File driver of HDF5 that reads bytes in memory. It opens no path: links to other files and virtual datasets with
@@ -46,11 +47,14 @@ int compare_memory(const H5FD_t* one, const H5FD_t* other) {
 }
 
 herr_t query_memory(const H5FD_t*, unsigned long* flags) {
-  if (flags) *flags = 0;
+  if (flags) *flags = H5FD_FEAT_SUPPORTS_SWMR_IO;
   return 0;
 }
 
-haddr_t end_of_allocation(const H5FD_t* file, H5FD_mem_t) { return memory_file(file)->end; }
+// A program that writes with SWMR allocates bytes behind the end that the file states.
+haddr_t end_of_allocation(const H5FD_t* file, H5FD_mem_t) {
+  return std::max<haddr_t>(memory_file(file)->end, memory_file(file)->bytes.size);
+}
 herr_t set_end_of_allocation(H5FD_t* file, H5FD_mem_t, haddr_t end) {
   memory_file(file)->end = end;
   return 0;
@@ -130,7 +134,9 @@ Hdf5Handle open_hdf5_bytes(std::span<const std::byte> bytes) {
   if (!properties || H5Pset_driver(properties.get(), memory_driver_id(), &memory) < 0 ||
       H5Pset_fclose_degree(properties.get(), H5F_CLOSE_STRONG) < 0)
     return {};
-  return {H5Fopen(kMemoryName, H5F_ACC_RDONLY, properties.get()), H5Fclose};
+  const hid_t opened = H5Fopen(kMemoryName, H5F_ACC_RDONLY, properties.get());
+  // A file that a program writes with SWMR opens only with SWMR.
+  return {opened >= 0 ? opened : H5Fopen(kMemoryName, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, properties.get()), H5Fclose};
 }
 
 }  // namespace gs::app

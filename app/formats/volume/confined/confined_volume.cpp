@@ -19,6 +19,7 @@ std::variant<qnv::VolumeSource, std::string> open_volume_confined(const std::str
   auto mapped = map_volume(path);
   if (auto* const problem = std::get_if<std::string>(&mapped)) return std::move(*problem);
   const SharedBytes file = std::get<SharedBytes>(std::move(mapped));
+  if (file.file && origin.component.growing) file.file->tolerate_writes();
   VolumeOrigin own = origin;
   use_folder(path, own);
   VolumeRequest request{path, own.name, raw, own.component, left_of(*budget)};

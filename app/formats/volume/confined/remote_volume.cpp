@@ -116,6 +116,7 @@ std::variant<qnv::VolumeSource, std::string> RemoteVolume::open(const std::share
   };
   auto reply = volume_reply_of(self->reply_, make);
   if (!reply) return std::string(kImpossible);
+  if (self->request_.component.found) *self->request_.component.found = std::move(reply->datasets);
   if (auto* const error = std::get_if<std::string>(&reply->volume)) {
     // The child states the name of the file in front.
     if (error->starts_with(self->path_ + ": ")) error->erase(0, self->path_.size() + 2);

@@ -19,10 +19,12 @@ class VolumeOfChild final : public OpenData {
     const auto known = volume_request_of(request);
     if (!known) return {};
     const WorldBudget budget = std::make_shared<Budget>(limits_of(known->left));
-    const VolumeOrigin origin{ask, known->name, known->component, files_by_asking(ask), folders_by_asking(ask)};
+    VolumeOrigin origin{ask, known->name, known->component, files_by_asking(ask), folders_by_asking(ask)};
     if (known->lists) return transfer_bytes(list_in_child(known->path, file, origin, budget));
     VolumeReply reply;
+    origin.component.found = std::make_shared<DatasetList>();
     reply.volume = open_volume_file(known->path, file, known->raw, origin, budget);
+    reply.datasets = std::move(*origin.component.found);
     reply.held = budget->used(Resource::volumes);
     std::vector<std::byte> bytes = transfer_bytes(reply);
     if (auto* const volume = std::get_if<qnv::VolumeSource>(&reply.volume)) {

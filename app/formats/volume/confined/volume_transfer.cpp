@@ -163,6 +163,7 @@ std::vector<std::byte> transfer_bytes(const VolumeReply& reply) {
   if (const auto* const error = std::get_if<std::string>(&reply.volume)) {
     to.value(ReplyTag::error);
     to.text(*error);
+    write_datasets(to, reply.datasets);
     return to.take();
   }
   const auto& volume = std::get<qnv::VolumeSource>(reply.volume);
@@ -173,6 +174,7 @@ std::vector<std::byte> transfer_bytes(const VolumeReply& reply) {
   to.list(volume.times);
   to.value<std::uint64_t>(volume.coarser.size());
   for (const qnv::VolumeSource& one : volume.coarser) write_source(to, one);
+  write_datasets(to, reply.datasets);
   return to.take();
 }
 
@@ -201,6 +203,7 @@ std::optional<VolumeReply> volume_reply_of(std::span<const std::byte> bytes, con
   } else {
     reply.volume = SourceReader(from, make).volume();
   }
+  reply.datasets = read_datasets(from);
   require_possible(from.empty());
   return reply;
 } catch (const Impossible&) {

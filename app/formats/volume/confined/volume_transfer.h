@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/formats/common/dataset_list.h"
 #include "app/formats/common/import_limits.h"
 #include "app/formats/common/voxel_component.h"
 #include "app/formats/volume/raw_volume.h"
@@ -32,6 +33,7 @@ struct VolumeRequest {
 struct VolumeReply {
   std::variant<qnv::VolumeSource, std::string> volume;
   std::uint64_t held = 0;  // bytes of voxels that the child holds in memory
+  DatasetList datasets{};  // of the file, also if it holds no volume
 };
 [[nodiscard]] std::vector<std::byte> transfer_bytes(const VolumeReply& reply);
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/formats/datasets/dataset_formats.h"
+#include "qnv/sampling/volume/volume_slices.h"
 #include "tests/app/formats_helpers.h"
 #include "tests/app/scratch_folder.h"
 
