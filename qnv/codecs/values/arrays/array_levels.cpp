@@ -87,7 +87,7 @@ Extent ArrayLevels::chunk(int level) const {
 
 bool ArrayLevels::decodes_all(int level) const {
   const Level& one = levels_[static_cast<std::size_t>(level)];
-  if (one.from != &source_) return false;
+  if (has_version(level)) return false;
   for (std::size_t a = 0; a < 3; ++a)
     if (one.from->chunk[a] < one.step[a] && one.step[a] > 1) return false;
   return true;

@@ -26,6 +26,10 @@ class ArrayLevels : NonCopyable {
   [[nodiscard]] const std::vector<VolumeLayout>& layouts() const { return layouts_; }
   /// Returns the samples per axis that lie in one chunk of the file; at least 1. 0 on all axes means no chunks.
   [[nodiscard]] Extent chunk(int level) const;
+  /// Reports whether a level comes from a coarse version of the file.
+  [[nodiscard]] bool has_version(int level) const {
+    return levels_[static_cast<std::size_t>(level)].from != &source_;
+  }
   /// Reports whether the samples of a level lie in all chunks of the whole volume, so that reading them decodes it all.
   [[nodiscard]] bool decodes_all(int level) const;
   /// Reads the values of a box of samples, x first. Returns false if the file cannot be read.

@@ -30,7 +30,10 @@ int overview_level(const ArrayLevels& levels) {
 Extent block_edges(const ArrayLevels& levels, int level, const Extent& extent) {
   Extent edge = levels.chunk(level);
   if (edge == Extent{}) return {extent[0], extent[1], 1};
+  // Servers get requests for several chunks of a coarse version at once.
+  const std::uint32_t chunks = levels.has_version(level) ? 2 : 1;
   for (std::size_t a = 0; a < 3; ++a) {
+    edge[a] = std::min(edge[a], extent[a]) * chunks;
     while (edge[a] < kLeastBlock) edge[a] *= 2;
     edge[a] = std::min(edge[a], extent[a]);
   }

@@ -76,7 +76,7 @@ class ArrayVolume final : public VolumeDetail {
   values::ArrayOverview overview_;  // used by one thread at a time
   values::ArrayBricks bricks_;      // used by one call of work() at a time
   static constexpr std::size_t kMostTogether = 8;
-  std::size_t together_ = kMostTogether;  // bricks to read with one request; of work()
+  std::size_t together_ = 1;  // bricks to read with one request; of work()
 
   mutable std::mutex mutex_;  // guards all members below
   std::shared_ptr<const Base> base_;

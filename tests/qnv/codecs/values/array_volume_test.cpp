@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -204,6 +205,26 @@ TEST_CASE("a view that moves ends the reading for the view before") {
   CHECK_FALSE(pending);
   CHECK(count->boxes < before + 50);
   CHECK(array.statistics().bricks < 100);
+}
+
+TEST_CASE("the place under the pointer gets the finest voxels of an array, also from far away") {
+  const auto count = std::make_shared<ReadCount>();
+  ArrayVolume array(counted(kSize, count), limits_of(4000));
+  REQUIRE(array.read_overview(std::chrono::minutes(1), {}));
+  LodView view = close_view();
+  view.eye = glm::vec3(75, 70, -1e5f);
+  view.pixels = 100;
+  CHECK(shown_in(array, view)->values->bricks.empty());
+  view.volume.points[1] = glm::vec3(100, 20, 30);
+  const auto volume = shown_in(array, view);
+  REQUIRE(volume->values->bricks.size() == 3);
+  const ValueBrick& finest = volume->values->bricks.front();
+  CHECK(finest.level == 0);
+  CHECK(finest.core_first == std::array<std::uint32_t, 3>{64, 0, 0});
+  CHECK(finest.value(100, 20, 30) == value_at(100, 20, 30));
+  CHECK(finest.error_of(100, 20, 30) == 0.0f);
+  view.volume.points[1] = glm::vec3(1000, 20, 30);
+  CHECK(shown_in(array, view)->values->bricks.empty());
 }
 
 TEST_CASE("bricks of an array stay within their memory") {
