@@ -97,8 +97,9 @@ int base_of(const VolumeSource& source, std::size_t most_vectors) {
 
 }  // namespace
 
-ArrayVolume::ArrayVolume(VolumeSource source, const BrickLimits& limits)
+ArrayVolume::ArrayVolume(VolumeSource source, const BrickLimits& limits, std::chrono::milliseconds patience)
     : limits_(limits),
+      patience_(patience),
       levels_(std::move(source), base_of(source, limits.base_vectors)),
       layout_(levels_.extent(), levels_.base()),
       overview_(levels_),
@@ -214,6 +215,7 @@ void ArrayVolume::publish(const Base& base, const std::vector<LodView>& views) {
 
 // Reads the bricks of the views, and begins again when these change. `beside` shows the first bricks early.
 void ArrayVolume::work(bool beside) {
+  const Clock::time_point end = Clock::now() + patience_;
   std::vector<values::BrickName> last;
   std::uint64_t last_base = 0;
   bool last_values = false;
@@ -239,7 +241,8 @@ void ArrayVolume::work(bool beside) {
     Clock::time_point shown = Clock::now();
     std::chrono::milliseconds pause = kFirstBricks;
     std::size_t read = 0, read_then = 0;
-    for (auto group = bricks_.next(together_); !group.empty() && !stop_ && !(beside && stale_);
+    const auto ends = [&] { return stop_ || (beside ? stale_.load() : Clock::now() >= end); };
+    for (auto group = bricks_.next(together_); !group.empty() && !ends();
          group = bricks_.next(together_)) {
       const Clock::time_point begin = Clock::now();
       bricks_.read(group, base->known);

@@ -26,8 +26,10 @@ namespace gs::qnv {
 /// changes, it reads nothing more for the view before. Any thread. Safe for untrusted values.
 class ArrayVolume final : public VolumeDetail {
  public:
-  /// `source` must be of suits(). Reads nothing yet.
-  ArrayVolume(VolumeSource source, const BrickLimits& limits);
+  static constexpr std::chrono::milliseconds kPatience{20'000};
+  /// `source` must be of suits(). Reads nothing yet. A cut() that waits for its bricks ends after `patience`, with those
+  /// that were read.
+  ArrayVolume(VolumeSource source, const BrickLimits& limits, std::chrono::milliseconds patience = kPatience);
   ~ArrayVolume() override;
 
   /// Reports whether a volume can be shown in bricks: it has no labels, colours and few voxels.
@@ -71,6 +73,7 @@ class ArrayVolume final : public VolumeDetail {
                                                      bool with_values) const;
 
   const BrickLimits limits_;
+  const std::chrono::milliseconds patience_;
   const values::ArrayLevels levels_;
   const values::BrickLayout layout_;
   values::ArrayOverview overview_;  // used by one thread at a time
