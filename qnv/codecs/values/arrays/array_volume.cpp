@@ -113,7 +113,9 @@ ArrayVolume::~ArrayVolume() {
 }
 
 bool ArrayVolume::suits(const VolumeSource& source, std::size_t most_vectors) {
-  return !source.layout.labels && !source.layout.colors && values::valid(source.layout.dimensions) &&
+  constexpr std::uint32_t kMostOfAxis = std::uint32_t{1} << 31;  // so that sums of places have 32 bits
+  return !source.layout.labels && !source.layout.colors && !check(source.layout) &&
+         std::ranges::all_of(source.layout.dimensions, [](std::uint32_t n) { return n <= kMostOfAxis; }) &&
          base_of(source, most_vectors) > 0;
 }
 

@@ -227,6 +227,24 @@ TEST_CASE("the place under the pointer gets the finest voxels of an array, also 
   CHECK(shown_in(array, view)->values->bricks.empty());
 }
 
+TEST_CASE("arrays of any size suit bricks, but no labels, colours and small volumes") {
+  VolumeSource source;
+  source.layout.dimensions = {4096, 4096, 4096};
+  CHECK(ArrayVolume::suits(source, 4000));
+  source.layout.labels = true;
+  CHECK_FALSE(ArrayVolume::suits(source, 4000));
+  source.layout.labels = false;
+  source.layout.colors = true;
+  CHECK_FALSE(ArrayVolume::suits(source, 4000));
+  source.layout.colors = false;
+  source.layout.dimensions = {0xffffffffu, 1, 1};
+  CHECK_FALSE(ArrayVolume::suits(source, 4000));
+  source.layout.dimensions = {0, 1000, 1000};
+  CHECK_FALSE(ArrayVolume::suits(source, 4000));
+  source.layout.dimensions = {20, 20, 20};
+  CHECK_FALSE(ArrayVolume::suits(source, 4000));
+}
+
 TEST_CASE("bricks of an array stay within their memory") {
   const auto count = std::make_shared<ReadCount>();
   const std::size_t bytes = std::size_t{12} << 20;
