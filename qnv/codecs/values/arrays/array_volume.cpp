@@ -8,6 +8,9 @@
 #include "qnv/sampling/volume/volume_slices.h"
 #include "qnv/sampling/volume/volume_values.h"
 
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -93,6 +96,48 @@ ValueBrick part_of_array(const values::Brick& brick, const values::BrickLayout& 
 int base_of(const VolumeSource& source, std::size_t most_vectors) {
   const values::Extent& extent = source.layout.dimensions;
   return std::min(values::level_for(extent, most_vectors), values::level_count(extent));
+}
+
+/// Returns the distance of a point from a box.
+float distance_of(const glm::vec3& point, const Box& box) {
+  return glm::distance(point, glm::clamp(point, box.lower, box.upper));
+}
+
+/// Chooses the bricks of views. Views from outside have about equal voxels everywhere: these get no bricks of a level of
+/// which only some fit, because such bricks would be visible as patches.
+std::vector<values::BrickName> bricks_of_array(const values::BrickChoice& choice, const Box& box) {
+  constexpr std::size_t kMore = 8;
+  std::vector<values::BrickName> chosen = values::choose_bricks(choice);
+  const float size = glm::distance(box.lower, box.upper);
+  const bool outside = std::ranges::all_of(choice.views, [&](const LodView& view) {
+    const auto none = [](const glm::vec4& plane) { return plane == glm::vec4(0); };
+    return distance_of(view.eye, box) > size / 2 && std::ranges::all_of(view.volume.slices, none);
+  });
+  if (!outside || chosen.empty()) return chosen;
+  values::BrickChoice more = choice;
+  more.most_bytes = choice.most_bytes > ~std::size_t{0} / kMore ? ~std::size_t{0} : kMore * choice.most_bytes;
+  std::vector<std::size_t> missing(choice.levels.size());
+  // Bricks without visible vectors come after those of finer levels.
+  const auto visible = [&](const values::BrickName& name) {
+    return std::ranges::any_of(choice.views, [&](const LodView& view) {
+      return choice.shares.visible(name, view.volume.hidden_classes);
+    });
+  };
+  for (const values::BrickName& name : values::choose_bricks(more))
+    if (visible(name)) ++missing[static_cast<std::size_t>(name.level)];
+  for (const values::BrickName& name : chosen)
+    if (visible(name)) --missing[static_cast<std::size_t>(name.level)];
+  int finest = choice.layout.base();
+  while (finest > 0 && missing[static_cast<std::size_t>(finest - 1)] == 0) --finest;
+  std::erase_if(chosen, [&](const values::BrickName& name) {
+    const Box part = values::brick_box(choice.layout, name, choice.levels[static_cast<std::size_t>(name.level)]);
+    const bool pointed = std::ranges::any_of(choice.views, [&](const LodView& view) {
+      return std::ranges::any_of(view.volume.points,
+                                 [&](const auto& point) { return point && distance_of(*point, part) == 0; });
+    });
+    return name.level < finest && !pointed;
+  });
+  return chosen;
 }
 
 }  // namespace
@@ -233,7 +278,8 @@ void ArrayVolume::work(bool beside) {
     const std::vector<LodView> views = views_;
     lock.unlock();
     std::vector<values::BrickName> chosen =
-        values::choose_bricks({layout_, levels_.layouts(), base->shares, views, limits_.brick_bytes});
+        bricks_of_array({layout_, levels_.layouts(), base->shares, views, limits_.brick_bytes},
+                        base->volume->description.box);
     const bool with_values = std::ranges::any_of(views, [](const LodView& view) { return view.volume.values; });
     bool changed = chosen != last || base->version != last_base || with_values != last_values;
     last = chosen;
