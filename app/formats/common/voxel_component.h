@@ -19,6 +19,7 @@ struct VoxelComponent {
   std::string dataset{};                 // of a file that has several; empty means the largest one
   std::optional<std::uint64_t> channel{};  // index on the axes that are neither space nor time nor components
   std::optional<bool> globe{};  // longitudes and latitudes on a sphere; nullopt: only meshes of the whole globe
+  bool by_view = false;  // views read parts of large arrays, so the finest level of an image is the default
   friend bool operator==(const VoxelComponent&, const VoxelComponent&) = default;
 };
 

@@ -46,7 +46,7 @@ std::variant<ChosenDataset, std::string> open_chosen(const VolumeFile& file) {
   auto opened = open_any_dataset_file(file);
   if (auto* const problem = std::get_if<std::string>(&opened)) return std::move(*problem);
   ChosenDataset chosen{std::get<std::unique_ptr<DatasetFile>>(std::move(opened)), 0};
-  auto entry = choose_dataset(chosen.file->entries(), file.component.dataset);
+  auto entry = choose_dataset(chosen.file->entries(), file.component.dataset, file.component.by_view);
   if (auto* const problem = std::get_if<std::string>(&entry)) return std::move(*problem);
   chosen.entry = std::get<std::size_t>(entry);
   return chosen;

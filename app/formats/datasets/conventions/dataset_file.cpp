@@ -135,11 +135,15 @@ DatasetFileResult open_dataset_file(DatasetFormat format, const VolumeFile& file
   return std::unique_ptr<DatasetFile>(std::move(made));
 }
 
-std::variant<std::size_t, std::string> choose_dataset(std::span<const DatasetEntry> entries, std::string_view choice) {
+std::variant<std::size_t, std::string> choose_dataset(std::span<const DatasetEntry> entries, std::string_view choice,
+                                                      bool by_view) {
   if (choice.empty()) {
+    const auto rank = [by_view](const DatasetEntry& one) {
+      return by_view && one.view_rank > 0 ? one.view_rank : one.rank;
+    };
     const DatasetEntry* best = nullptr;
     for (const DatasetEntry& entry : entries)
-      if (entry.form != DatasetForm::nothing && (!best || entry.rank > best->rank)) best = &entry;
+      if (entry.form != DatasetForm::nothing && (!best || rank(entry) > rank(*best))) best = &entry;
     if (best) return static_cast<std::size_t>(best - entries.data());
     for (const DatasetEntry& entry : entries)
       if (!entry.note.empty()) return entry.path + ": " + entry.note;
