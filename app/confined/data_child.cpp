@@ -21,6 +21,7 @@ class DataServer {
  private:
   void open(const DecodeRequest& request, DecodeAnswer& answer);
   void read_slices(const DecodeRequest& request, DecodeAnswer& answer);
+  void read_box(const DecodeRequest& request, DecodeAnswer& answer);
 
   OpenData& data_;
   SharedMemory result_{net::Descriptor(kDecoderResult), true};
@@ -54,6 +55,15 @@ void DataServer::read_slices(const DecodeRequest& request, DecodeAnswer& answer)
   set_error(answer, data_.trouble());
 }
 
+void DataServer::read_box(const DecodeRequest& request, DecodeAnswer& answer) {
+  const auto room = request.bytes > 0 ? result_.map(static_cast<std::size_t>(request.bytes)) : std::span<std::byte>();
+  if (room.size() != request.bytes) return set_error(answer, "no memory for voxels");
+  if (!data_.read_box(request.source, request.box, room)) return set_error(answer, "a box of voxels cannot be read");
+  answer.good = 1;
+  answer.count = 1;
+  set_error(answer, data_.trouble());
+}
+
 bool DataServer::answer_request() {
   DecodeRequest request;
   if (!receive_request(request)) return false;
@@ -63,6 +73,8 @@ bool DataServer::answer_request() {
       open(request, answer);
     else if (request.operation == DecodeOperation::read_slices)
       read_slices(request, answer);
+    else if (request.operation == DecodeOperation::read_box)
+      read_box(request, answer);
     else
       return false;
   } catch (const std::bad_alloc&) {

@@ -3,6 +3,7 @@
 #include "app/base/read_file.h"
 #include "base/noncopyable.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -21,6 +22,11 @@ class OpenData : NonCopyable {
                                                     const ReadFile& ask) = 0;
   /// Reads a slice of a source in the reply. Returns false on failure, or if there is no such slice.
   [[nodiscard]] virtual bool read_slice(std::uint64_t source, std::uint64_t slice, std::span<std::byte> to) = 0;
+  /// Reads voxels of a box of a source: `box` has the first voxel, the numbers of voxels and the steps along x, y and z.
+  /// Returns false on failure, or if there is no such box.
+  [[nodiscard]] virtual bool read_box(std::uint64_t, const std::array<std::uint32_t, 9>&, std::span<std::byte>) {
+    return false;
+  }
   /// Returns a message about parts that could not be read so far; empty if there are none.
   [[nodiscard]] virtual std::string trouble() const { return {}; }
 };

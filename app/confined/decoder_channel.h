@@ -3,6 +3,7 @@
 #include "net/base/descriptor.h"
 #include "render/image/image.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -28,6 +29,7 @@ enum class DecodeOperation : std::uint32_t {
   give_file,    // answers kAsksForFile: `count` tells what is given; `bytes` bytes of it are in the results
   open_data,    // opens the file in the input memory; the first `count` bytes of results are the request
   read_slices,  // reads `count` slices of `source` from `first` on, of `bytes` bytes each, to `offset` in the results
+  read_box,     // reads the voxels of `box` of `source`, `bytes` bytes in all, into the results
 };
 
 /// Most pairs of samples that one request reads.
@@ -43,6 +45,7 @@ struct DecodeRequest {
   double known = -1;  // of movie_at: time of the picture that the parent has, which is not sent again
   std::uint64_t count = 0;
   std::uint64_t source = 0, first = 0, offset = 0;  // of read_slices
+  std::array<std::uint32_t, 9> box{};               // of read_box: first voxel, size and steps
 };
 
 /// First answer of the child. If there is an image, the parent makes room for its pixels in the memory for results and

@@ -160,6 +160,7 @@ void DecoderServer::carry_out(const DecodeRequest& request, std::span<const std:
     case DecodeOperation::give_file:
     case DecodeOperation::open_data:
     case DecodeOperation::read_slices:
+    case DecodeOperation::read_box:
       return set_error(answer, "this child does other work");
   }
 }

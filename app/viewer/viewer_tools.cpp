@@ -176,6 +176,7 @@ void ViewerTools::probe(const View& seen, const Viewport& place) {
       if (const auto value = value_on(*key, *mesh, hit->triangle))
         value_ = (key->title.empty() ? "" : key->title + ": ") + readable_value(*value, {}, 4) + "\n";
   } else if (volume && world_from_node) {
+    values_.note_pointed(seen, hit->point);
     const ViewerValues::Values& values = values_.of(seen);
     if (values.grid) {
       const glm::dvec3 voxel =
@@ -281,7 +282,7 @@ PictureScene ViewerTools::scene_of(std::size_t slice_scene, const View& seen, co
   scene.draw.headlight = seen.headlight;
   scene.draw.unit = static_cast<float>(seen.scale);
   scene.draw.splat_style = seen.look;
-  scene.draw.splat_style.reading = values_.reading_of(seen, wants_value_);
+  scene.draw.splat_style.reading = reading_of(seen);
   apply_style(seen, scene.draw);
   scene.draw.guides = guides(seen);
   scene.draw.viewport = kMaxViewports;

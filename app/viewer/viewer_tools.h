@@ -20,6 +20,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -56,7 +57,10 @@ class ViewerTools : NonCopyable {
   [[nodiscard]] bool reads_values() const { return values_.is_busy() || steps_.playing; }
   bool take_values();
   /// Returns the values that a view shows besides the vectors of its volume.
-  [[nodiscard]] render::VolumeReading reading_of(const View& view) { return values_.reading_of(view, wants_value_); }
+  [[nodiscard]] render::VolumeReading reading_of(const View& view) {
+    const bool ruled = measuring_ && ruled_.lock() == view.document;
+    return values_.reading_of(view, wants_value_, ruled ? std::span(ruler_.points()) : std::span<const glm::dvec3>());
+  }
   /// Draws and saves the next picture of an animation. Returns true if further frames are needed.
   bool go_on(const View* seen, const Tell& tell);
 

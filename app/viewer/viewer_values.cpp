@@ -3,6 +3,8 @@
 #include "app/picture/volume_show.h"
 #include "qnv/sampling/volume/volume_values.h"
 
+#include <glm/geometric.hpp>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -188,9 +190,22 @@ VolumeContent ViewerValues::content_of(const View& view, const VolumeContent& be
   return content;
 }
 
-render::VolumeReading ViewerValues::reading_of(const View& view, bool exact) {
+void ViewerValues::note_pointed(const View& view, const glm::dvec3& point) {
+  constexpr double kSmallPart = 1.0 / 64;
+  const double size = view.list->bounds.empty() ? 0.0 : glm::length(glm::dvec3(view.list->bounds.size()));
+  const bool same = pointed_ && pointed_in_.lock() == view.document;
+  if (same && glm::distance(*pointed_, point) < kSmallPart * size) return;
+  pointed_ = point;
+  pointed_in_ = view.document;
+}
+
+render::VolumeReading ViewerValues::reading_of(const View& view, bool exact, std::span<const glm::dvec3> ruler) {
+  constexpr std::size_t kMostRulerPoints = 3;
   render::VolumeReading reading;
   reading.exact = exact;
+  if (exact && pointed_ && pointed_in_.lock() == view.document) reading.points.push_back(*pointed_);
+  const std::size_t skipped = ruler.size() - std::min(ruler.size(), kMostRulerPoints);
+  reading.points.insert(reading.points.end(), ruler.rbegin(), ruler.rend() - static_cast<std::ptrdiff_t>(skipped));
   reading.values = exact || view.slices.any() || view.volume.needs_values();
   if (!view.slices.any()) return reading;
   reading.only_slices = view.slices.alone && !view.volume.surface;

@@ -54,8 +54,11 @@ class ViewerValues : NonCopyable {
   /// Returns the error message of the content that the view wishes; empty if there is none.
   std::string problem_of(const View& view);
 
-  /// Returns the values that a view shows besides the vectors of its volume. `exact` means that single values are read.
-  render::VolumeReading reading_of(const View& view, bool exact);
+  /// Returns the values that a view shows besides the vectors of its volume. `exact` means that single values are
+  /// read. Those under the pointer and at the last points of the ruler come first.
+  render::VolumeReading reading_of(const View& view, bool exact, std::span<const glm::dvec3> ruler = {});
+  /// Notes the place of the value under the pointer. Small movements count as none, because each place is a new view.
+  void note_pointed(const View& view, const glm::dvec3& point);
   /// Returns the render list to draw in viewport `pane`: the list of the view, with its slices and other content.
   const render::RenderList& shown(std::size_t pane, const View& view);
 
@@ -89,6 +92,8 @@ class ViewerValues : NonCopyable {
 
   std::atomic<bool> stop_{false};  // true stops the threads that read values
   std::map<const Document*, Values> values_;
+  std::weak_ptr<Document> pointed_in_;  // volume with the pointer
+  std::optional<glm::dvec3> pointed_;   // place of its value, in world space
   std::map<std::size_t, Scene> scenes_;  // by viewport; kMaxViewports is used for saved pictures and values
 };
 

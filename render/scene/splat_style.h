@@ -25,6 +25,7 @@ struct VolumeReading {
   bool exact = false;                 // values that should be as exact as the stream has them
   bool only_slices = false;           // the slices hide the vectors
   std::vector<glm::dvec4> slices{};   // planes of slices in world space
+  std::vector<glm::dvec3> points{};   // places in world space with values that come first, the most wanted one in front
   friend bool operator==(const VolumeReading&, const VolumeReading&) = default;
 };
 

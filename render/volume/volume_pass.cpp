@@ -45,6 +45,11 @@ qnv::VolumeNeeds volume_needs(const SplatItem& item, const SplatStyle& look, con
   needs.clip = clip.value_or(glm::vec4(0));
   for (std::size_t i = 0; i < std::min(needs.slices.size(), look.reading.slices.size()); ++i)
     needs.slices[i] = glm::vec4(look.reading.slices[i] * item.world_from_node);
+  if (!look.reading.points.empty()) {
+    const glm::dmat4 node_from_world = glm::inverse(item.world_from_node);
+    for (std::size_t i = 0; i < std::min(needs.points.size(), look.reading.points.size()); ++i)
+      needs.points[i] = glm::vec3(node_from_world * glm::dvec4(look.reading.points[i], 1));
+  }
   if (!look.transfer.empty()) {
     std::bitset<256>& hidden = needs.hidden_classes.emplace();
     for (std::size_t i = 0; i < transfer.size(); ++i) hidden[i] = !(transfer[i].w > 0);

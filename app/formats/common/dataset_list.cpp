@@ -58,11 +58,15 @@ bool is_bookkeeping(std::string_view name) {
   return std::ranges::any_of(kParts, [&](std::string_view part) { return lower.find(part) != std::string::npos; });
 }
 
-std::variant<std::size_t, std::string> choose_dataset(std::span<const DatasetEntry> entries, std::string_view choice) {
+std::variant<std::size_t, std::string> choose_dataset(std::span<const DatasetEntry> entries, std::string_view choice,
+                                                      bool by_view) {
   if (choice.empty()) {
+    const auto rank = [by_view](const DatasetEntry& one) {
+      return by_view && one.view_rank > 0 ? one.view_rank : one.rank;
+    };
     const DatasetEntry* best = nullptr;
     for (const DatasetEntry& entry : entries)
-      if (entry.form != DatasetForm::nothing && (!best || entry.rank > best->rank)) best = &entry;
+      if (entry.form != DatasetForm::nothing && (!best || rank(entry) > rank(*best))) best = &entry;
     if (best) return static_cast<std::size_t>(best - entries.data());
     for (const DatasetEntry& entry : entries)
       if (!entry.note.empty()) return entry.path + ": " + entry.note;

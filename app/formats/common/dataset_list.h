@@ -29,6 +29,7 @@ struct DatasetEntry {
   DatasetForm form = DatasetForm::nothing;
   std::string note{};      // meaning by the conventions of the file, or the reason why it is not shown
   double rank = 0;         // of datasets that can be shown, the highest one is the default
+  double view_rank = 0;    // the same for views that read parts of large arrays; 0 means `rank`
   bool is_minor = false;   // describes other datasets: coordinates, connectivity, numbers of points
   bool has_globe = false;  // a volume that is a mesh on a globe if the user wants that
 
@@ -55,7 +56,7 @@ struct DatasetList {
 /// Returns the entry that a user chose by its path or the last part of it, or the default without a choice. Returns a
 /// message with the nearest names if there is none.
 [[nodiscard]] std::variant<std::size_t, std::string> choose_dataset(std::span<const DatasetEntry> entries,
-                                                                    std::string_view choice);
+                                                                    std::string_view choice, bool by_view = false);
 
 /// Returns the shape of a dataset: "24 x 170 x 180", or "1 value".
 [[nodiscard]] std::string shape_text(std::span<const std::uint64_t> shape);

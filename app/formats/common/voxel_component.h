@@ -53,6 +53,7 @@ struct VoxelComponent {
   FlowForm flow = FlowForm::values;  // of volumes with two or three components
   SurfaceColors colors{};
   std::shared_ptr<DatasetList> found{};  // readers write the datasets of the file here; null if they are not needed
+  bool by_view = false;  // views read parts of large arrays, so the finest level of an image is the default
   friend bool operator==(const VoxelComponent&, const VoxelComponent&) = default;
 };
 

@@ -52,7 +52,7 @@ std::variant<ChosenDataset, std::string> open_chosen(const VolumeFile& file) {
     *file.component.found = {};
     file.component.found->entries = chosen.file->entries();
   }
-  auto entry = choose_dataset(chosen.file->entries(), file.component.dataset);
+  auto entry = choose_dataset(chosen.file->entries(), file.component.dataset, file.component.by_view);
   if (auto* const problem = std::get_if<std::string>(&entry)) return std::move(*problem);
   chosen.entry = std::get<std::size_t>(entry);
   if (file.component.found) file.component.found->shown = chosen.file->entries()[chosen.entry].path;

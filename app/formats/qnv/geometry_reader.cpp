@@ -246,15 +246,15 @@ std::shared_ptr<qnv::LodStream> hold_levels(std::unique_ptr<qnv::LodStream> stre
   return {held, held->stream.get()};
 }
 
-BrickShare::BrickShare(const WorldBudget& budget, bool grows)
+BrickShare::BrickShare(const WorldBudget& budget, bool grows, std::uint64_t parts)
     : bricks(budget, Resource::vectors), arrived(budget, Resource::files) {
   // Parts of the remaining budget: bricks, and the level that is decoded as a whole.
-  constexpr std::uint64_t kBrickPart = 8, kBasePart = 8, kArrivedPart = 16;
+  constexpr std::uint64_t kBasePart = 8, kArrivedPart = 16;
   constexpr std::uint64_t kLeast = std::uint64_t{8} << 20;
   const std::uint64_t left = budget->left(Resource::vectors);
   limits.base_vectors = std::min(limits.base_vectors, static_cast<std::size_t>(left / kBasePart / kDecodedBytes));
-  (void)bricks.grow(left / kBrickPart + limits.base_vectors * kDecodedBytes);
-  limits.brick_bytes = static_cast<std::size_t>(std::max(left / kBrickPart, kLeast));
+  (void)bricks.grow(left / parts + limits.base_vectors * kDecodedBytes);
+  limits.brick_bytes = static_cast<std::size_t>(std::max(left / parts, kLeast));
   if (grows) (void)arrived.grow(budget->left(Resource::files) / kArrivedPart);
   limits.arrived_bytes = static_cast<std::size_t>(std::max(arrived.amount(), kLeast));
 }
@@ -272,6 +272,31 @@ qnv::Volume volume_of(const std::shared_ptr<qnv::BrickVolume>& bricks) {
   qnv::Volume volume = *bricks->latest();
   volume.detail = bricks;
   volume.requests = bricks;
+  return volume;
+}
+
+std::shared_ptr<qnv::ArrayVolume> hold_array(qnv::VolumeSource source, const WorldBudget& budget,
+                                             std::chrono::milliseconds patience) {
+  struct Held {
+    BrickShare share;
+    qnv::ArrayVolume volume;
+  };
+  // Bricks of arrays come with all their vectors, while those of streams share theirs with coefficients.
+  constexpr std::uint64_t kArrayParts = 3;
+  // The overview has at most 2 million samples, so that its vectors are found in a fraction of a second.
+  constexpr std::size_t kOverviewVectors = std::size_t{1} << 18;
+  BrickShare share(budget, false, kArrayParts);
+  share.limits.base_vectors = std::min(share.limits.base_vectors, kOverviewVectors);
+  if (!qnv::ArrayVolume::suits(source, share.limits.base_vectors)) return nullptr;
+  const qnv::BrickLimits limits = share.limits;
+  // The members are made in place, because threads use the volume at its address.
+  const std::shared_ptr<Held> held(new Held{std::move(share), {std::move(source), limits, patience}});
+  return {held, &held->volume};
+}
+
+qnv::Volume volume_of(const std::shared_ptr<qnv::ArrayVolume>& array) {
+  qnv::Volume volume = *array->overview();
+  volume.detail = array;
   return volume;
 }
 

@@ -9,12 +9,14 @@
 #include "qnv/base/geometry.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/octree/lod/lod_source.h"
+#include "qnv/codecs/values/arrays/array_volume.h"
 #include "qnv/codecs/values/bricks/brick_series.h"
 #include "qnv/codecs/values/bricks/brick_volume.h"
 #include "qnv/sampling/volume/volume.h"
 #include "vrml/scene/scene_graph.h"
 #include "vrml/scene/values/field_value.h"
 
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <memory>
@@ -79,7 +81,8 @@ inline constexpr std::uint64_t kDecodedBytes = 128;
 /// Charges `budget` for the bricks and received chunks of a volume that is larger than memory. The result owns the
 /// share.
 struct BrickShare {
-  BrickShare(const WorldBudget& budget, bool grows);
+  /// Bricks get one of `parts` equal parts of the remaining memory for vectors.
+  BrickShare(const WorldBudget& budget, bool grows, std::uint64_t parts = 8);
   Share bricks, arrived;
   qnv::BrickLimits limits;
 };
@@ -87,6 +90,14 @@ struct BrickShare {
 [[nodiscard]] std::shared_ptr<qnv::BrickVolume> hold_bricks(std::shared_ptr<qnv::BrickVolume> volume, BrickShare share);
 /// Returns a volume with the vectors that its bricks have now, and requests of views for more.
 [[nodiscard]] qnv::Volume volume_of(const std::shared_ptr<qnv::BrickVolume>& bricks);
+
+/// Prepares a volume in a file for views that read its bricks. Charges `budget` for them; the result owns the share.
+/// Pictures without a window wait at most `patience` for bricks. Returns null if the volume cannot be shown in bricks.
+[[nodiscard]] std::shared_ptr<qnv::ArrayVolume> hold_array(
+    qnv::VolumeSource source, const WorldBudget& budget,
+    std::chrono::milliseconds patience = qnv::ArrayVolume::kPatience);
+/// Returns a volume with the vectors of the overview, as far as it was read, and finer ones for views.
+[[nodiscard]] qnv::Volume volume_of(const std::shared_ptr<qnv::ArrayVolume>& array);
 
 /// Opens a stream file for reading. The result may be used by any number of threads. Returns null if the file cannot be
 /// opened.

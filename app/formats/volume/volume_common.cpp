@@ -23,6 +23,8 @@
 namespace gs::app {
 namespace {
 
+constexpr std::size_t kLargeVoxelFile = std::size_t{256} << 20;  // larger ones leave memory while they are read
+
 std::string plural(std::uint64_t count) { return std::to_string(count) + (count == 1 ? " byte" : " bytes"); }
 
 qnv::VoxelType voxel_type_of(StoredType type) {
@@ -100,11 +102,47 @@ bool read_stored(const StoredVoxels& voxels, std::uint64_t slice_voxels, std::ui
     for (std::uint64_t i = 0; i < slice_voxels; ++i) std::memcpy(to.data() + i * size, from + i * step, size);
   }
   if (!voxels.content.file) return true;
-  constexpr std::size_t kLarge = std::size_t{256} << 20;  // files that are read slice by slice leave memory again
-  if (voxels.content.bytes.size() >= kLarge)
+  if (voxels.content.bytes.size() >= kLargeVoxelFile)
     voxels.content.file->put_aside(
         static_cast<std::size_t>(voxels.offset + slice_voxels * step * (z + std::uint64_t{1})));
   return !voxels.content.file->changed();
+}
+
+// Reads the voxels of a box. It must lie in the volume.
+bool read_stored_box(const StoredVoxels& voxels, const std::array<std::uint32_t, 3>& dimensions,
+                     const qnv::VoxelBox& box, std::span<std::byte> to) {
+  const bool follow = voxels.plane > 0;
+  const std::size_t size = size_of(voxels.type), step = follow ? size : size * voxels.components;
+  const bool wide = voxels.type >= StoredType::u64;
+  const std::size_t out = wide ? sizeof(double) : size;
+  if (!qnv::lies_in(box, dimensions) || to.size() != qnv::voxel_count(box) * out) return false;
+  const std::byte* const begin = voxels.content.bytes.data() + voxels.offset +
+                                 voxels.component.index * size * (follow ? voxels.plane : 1);
+  const std::size_t along = step * box.step[0];
+  for (std::uint32_t z = 0; z < box.size[2]; ++z)
+    for (std::uint32_t y = 0; y < box.size[1]; ++y) {
+      const std::uint64_t row = (box.first[2] + std::uint64_t{z} * box.step[2]) * dimensions[1] +
+                                (box.first[1] + std::uint64_t{y} * box.step[1]);
+      const std::byte* from = begin + (row * dimensions[0] + box.first[0]) * step;
+      const auto line = to.subspan((std::size_t{z} * box.size[1] + y) * box.size[0] * out, box.size[0] * out);
+      if (voxels.type == StoredType::u64)
+        widen<std::uint64_t>(from, along, voxels.big_endian, line);
+      else if (wide)
+        widen<std::int64_t>(from, along, voxels.big_endian, line);
+      else if (along == size)
+        std::memcpy(line.data(), from, line.size());
+      else
+        for (std::size_t i = 0; i < line.size(); i += size, from += along) std::memcpy(line.data() + i, from, size);
+    }
+  if (!voxels.content.file) return true;
+  if (voxels.content.bytes.size() >= kLargeVoxelFile) voxels.content.file->put_aside(voxels.content.bytes.size());
+  return !voxels.content.file->changed();
+}
+
+auto box_reader(const StoredVoxels& voxels, const std::array<std::uint32_t, 3>& dimensions) {
+  return [voxels, dimensions](const qnv::VoxelBox& box, std::span<std::byte> to) {
+    return read_stored_box(voxels, dimensions, box, to);
+  };
 }
 
 // Converts doubles to a smaller type, in place. If a value does not fit, returns false and changes nothing.
@@ -306,10 +344,12 @@ VolumeResult make_source(qnv::VolumeLayout layout, StoredVoxels voxels) {
       source.components.push_back({source.layout, [of_one, slice, slices](std::uint32_t z, std::span<std::byte> to) {
                                      return z < slices && read_stored(of_one, slice, z, to);
                                    }});
+      source.components.back().read_box = box_reader(of_one, source.layout.dimensions);
       std::erase_if(source.components.back().layout.metadata,
                     [](const auto& pair) { return pair.first == "component"; });
     }
   if (source.layout.colors) return qnv::color_source(std::move(source.components));
+  source.read_box = box_reader(voxels, source.layout.dimensions);
   source.read = [voxels = std::move(voxels), slice, slices](std::uint32_t z, std::span<std::byte> to) {
     return z < slices && read_stored(voxels, slice, z, to);
   };

@@ -9,6 +9,7 @@
 #include "qnv/codecs/payloads.h"
 #include "qnv/reader/directory_requests.h"
 #include "qnv/reader/stream_decoder.h"
+#include "qnv/sampling/volume/volume_slices.h"
 #include "qnv/sampling/volume/volume_values.h"
 
 #include <algorithm>
@@ -19,6 +20,9 @@
 // Decoding of streams, volumes and splat files into vectors.
 namespace gs::app {
 namespace {
+
+// Time for the first part of the overview of a large volume, and most time for a further part.
+constexpr std::chrono::milliseconds kFirstOverview{400}, kMostOverview{4000};
 
 std::string file_name_of(const Found& found) {
   net::Url as_file = found.url;
@@ -65,7 +69,13 @@ void GeometryHandler::read_whole(std::span<const std::byte> bytes, const std::st
     file.loss = loading_.options.loss;
     file.loss_seed = loading_.options.loss_seed;
   }
-  file.origin.read_files = loading_.fetcher.files_of(found_.origin);
+  // Views read parts of large containers while another thread loads the rest of the world.
+  const bool by_view = (loading_.options.by_view || loading_.options.large_by_view) &&
+                       loading_.options.component.flow == FlowForm::values;
+  file.origin.component.by_view = by_view;
+  file.origin.read_files = by_view && type.content == ContentClass::volume
+                               ? loading_.fetcher.files_for_views(found_.origin)
+                               : loading_.fetcher.files_of(found_.origin);
   if (found_.local) file.origin.list_folder = lister_beside(path);
   if (type.content == ContentClass::volume) return read_volume(type, file);
   auto geometry = read_geometry(type, file, loading_.results.diagnostics(), loading_.limit, loading_.budget);
@@ -79,11 +89,19 @@ void GeometryHandler::read_whole(std::span<const std::byte> bytes, const std::st
 void GeometryHandler::read_volume(const ContentType& type, const GeometryFile& file) {
   Diagnostics diagnostics;
   auto source = open_volume_source(type, file, diagnostics, loading_.budget);
+  const bool is_array = source && file.origin.component.by_view && start_array(*source);
+  if (source && file.origin.component.by_view && !is_array) {
+    // Read as a whole, the finest level of an image may be too large.
+    GeometryFile whole = file;
+    whole.origin.component.by_view = false;
+    if (!source->coarser.empty()) source = open_volume_source(type, whole, diagnostics, loading_.budget);
+  }
   for (Diagnostic one : diagnostics.entries()) {
     if (one.file == file.path) one.file = found_.path;  // not that of a temporary file
     loading_.results.diagnostics().add(std::move(one));
   }
   if (!source || show_flow(*source, file.origin.component)) return;
+  if (is_array) return;
   // Without views, only the finest version counts.
   if (loading_.options.by_view)
     add_coarser(*source);
@@ -106,7 +124,58 @@ bool GeometryHandler::show_flow(const qnv::VolumeSource& source, const VoxelComp
   return true;
 }
 
-void GeometryHandler::read_more() { (void)show_next_version(); }
+void GeometryHandler::read_more() {
+  if (array_ && versions_.empty())
+    read_array();
+  else
+    (void)show_next_version();
+}
+
+bool GeometryHandler::start_array(qnv::VolumeSource& source) {
+  // Smaller volumes are quickly read as a whole. Those in containers on servers take a request per chunk.
+  constexpr std::uint64_t kLocalVoxels = std::uint64_t{1} << 28, kServedVoxels = std::uint64_t{1} << 24;
+  constexpr std::uint64_t kFirstVoxels = std::uint64_t{1} << 20;
+  if (qnv::voxel_count(source.layout) < (found_.local ? kLocalVoxels : kServedVoxels)) return false;
+  array_trouble_ = source.trouble;
+  // Drawing has the time limit of loading, too, and needs some of it itself.
+  constexpr double kPartOfLimit = 0.6;
+  array_ = hold_array(source, loading_.budget,
+                      std::chrono::milliseconds(static_cast<std::int64_t>(
+                          kPartOfLimit * 1000 * std::clamp(loading_.options.timeout_seconds, 0.1, 1e6))));
+  if (!array_) return false;
+  if (const auto key = found_.local && source.coarser.empty()
+                           ? overview_key(found_.path, loading_.options.component, source.layout)
+                           : std::nullopt) {
+    array_key_ = *key;
+    if (auto samples = overviews().find(array_key_); samples && array_->restore_overview(std::move(*samples)))
+      array_key_.clear();
+  }
+  array_patience_ = kFirstOverview;
+  // A server may take long for the overview, so the file's own coarse versions come first.
+  if (!found_.local && loading_.options.by_view)
+    for (qnv::VolumeSource& version : source.coarser)
+      if (qnv::voxel_count(version.layout) < kFirstVoxels) versions_.push_back(std::move(version));
+  if (versions_.size() > 1) versions_.erase(versions_.begin() + 1, versions_.end());
+  if (versions_.empty() || !show_next_version()) read_array();
+  return true;
+}
+
+OverviewCache GeometryHandler::overviews() const {
+  return OverviewCache(overview_folder(loading_.options.cache_folder));
+}
+
+void GeometryHandler::read_array() {
+  const bool shows = array_->read_overview(array_patience_, [this] { return loading_.limit.over(); });
+  array_patience_ = std::min(2 * array_patience_, kMostOverview);
+  const bool ends = array_->has_overview() || loading_.limit.over();
+  if (array_->has_whole_overview() && !array_key_.empty()) overviews().keep(array_key_, array_->kept_overview());
+  if (shows) show_(std::make_shared<const qnv::Geometry>(volume_of(array_)));
+  if (!ends) return;
+  if (array_trouble_)
+    if (std::string trouble = array_trouble_(); !trouble.empty()) warn(": " + trouble);
+  if (!shows) warn(": the volume has no values that can be read");
+  array_.reset();
+}
 
 bool GeometryHandler::show_next_version() {
   const qnv::VolumeSource source = std::move(versions_.front());

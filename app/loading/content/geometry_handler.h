@@ -1,9 +1,11 @@
 #pragma once
 
 #include "app/formats/qnv/geometry_reader.h"
+#include "app/formats/volume/overview_cache.h"
 #include "app/loading/content/resource_handler.h"
 #include "app/streams/show_pace.h"
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -45,7 +47,7 @@ class GeometryHandler final : public ResourceHandler {
   void receive(std::span<const std::byte> bytes) override;
   void end(const std::optional<std::string>& problem) override;
   void receive_piece(const net::CellEvent& event) override;
-  [[nodiscard]] bool has_more() const override { return !versions_.empty(); }
+  [[nodiscard]] bool has_more() const override { return array_ || !versions_.empty(); }
   void read_more() override;
   std::shared_ptr<StreamFeed> feed() override { return way_ == Way::done ? nullptr : feed_; }
 
@@ -65,6 +67,11 @@ class GeometryHandler final : public ResourceHandler {
   void read_volume(const ContentType& type, const GeometryFile& file);
   /// Shows the vectors of a volume as a mesh. Returns false if that is not wanted, or if it fails.
   bool show_flow(const qnv::VolumeSource& source, const VoxelComponent& choice);
+  /// Shows a volume of which views read bricks. Returns false if it is shown as a whole.
+  bool start_array(qnv::VolumeSource& source);
+  [[nodiscard]] OverviewCache overviews() const;
+  /// Reads more of the overview of such a volume and shows it.
+  void read_array();
   /// Shows the next version of a volume. Returns false if it has nothing to show.
   bool show_next_version();
   void report_problems(const std::vector<qnv::StreamProblem>& problems, Severity severity);
@@ -87,6 +94,10 @@ class GeometryHandler final : public ResourceHandler {
   bool shown_exact_ = false;  // the exact mesh in the tail of the stream is shown
   bool by_chunks_ = false;    // chunks were received in any order
   std::size_t damaged_chunks_ = 0;
+  std::shared_ptr<qnv::ArrayVolume> array_;       // volume of which the overview is not complete
+  std::chrono::milliseconds array_patience_{0};   // for the next part of the overview
+  std::string array_key_;                         // of its overview in the cache; empty if it is not kept
+  std::function<std::string()> array_trouble_;    // VolumeSource::trouble of that volume
   std::deque<qnv::VolumeSource> versions_;  // of a volume, the coarsest first, that are not shown yet
 };
 

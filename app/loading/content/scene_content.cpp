@@ -216,6 +216,8 @@ class DatasetContent final : public SceneContent {
     content_->receive(bytes);
     if (!target_.refused()) content_->end(damaged);
   }
+  [[nodiscard]] bool has_more() const override { return content_ && content_->has_more(); }
+  void read_more() override { content_->read_more(); }
 
  private:
   void choose(std::span<const std::byte> bytes, const std::string& path) {

@@ -383,25 +383,39 @@ ReadFile Fetcher::reader_of(const net::Origin& origin) {
 }
 
 ReadFiles Fetcher::files_of(const net::Origin& origin) {
-  return [this, origin](std::span<const FileRequest> requests) {
+  return files_by(origin, [this, origin](std::span<const WantedPart> wanted) {
+    return network_.read_all_now(wanted, origin);
+  });
+}
+
+ReadFiles Fetcher::files_for_views(const net::Origin& origin) {
+  const auto served = std::make_shared<ServedFiles>(network_.loader_options(), loading_.budget);
+  return files_by(origin, [served, origin](std::span<const WantedPart> wanted) { return served->read(wanted, origin); });
+}
+
+// Makes a function that reads files by `read`, as far as the policy allows. It does not refer to this object.
+ReadFiles Fetcher::files_by(const net::Origin& origin, ReadWanted read) const {
+  const auto cache = loading_.options.component.growing ? net::CacheUse::reload : net::Request{}.cache;
+  return [read = std::move(read), origin, policy = policy_, offline = loading_.options.offline, cache](
+             std::span<const FileRequest> requests) {
     std::vector<FileResult> results(requests.size());
-    std::vector<NetworkTransfers::Wanted> wanted;
+    std::vector<WantedPart> wanted;
     std::vector<std::size_t> places;
     for (std::size_t i = 0; i < requests.size(); ++i) {
       const net::Url url = net::resolve(net::parse_url(origin.url), net::parse_url(requests[i].reference));
       if (url.scheme == "file") {
-        results[i] = read_local_part(url, policy_, origin, requests[i]);
-      } else if (const auto refused = policy_.refuse(origin, url)) {
+        results[i] = read_local_part(url, policy, origin, requests[i]);
+      } else if (const auto refused = policy.refuse(origin, url)) {
         results[i] = requests[i].reference + ": " + refused->message;
-      } else if (loading_.options.offline) {
+      } else if (offline) {
         results[i] = requests[i].reference + ": the network is disabled (--offline)";
       } else {
-        wanted.push_back({url, requests[i].part});
+        wanted.push_back({url, requests[i].part, cache});
         places.push_back(i);
       }
     }
     if (wanted.empty()) return results;
-    std::vector<FileResult> received = network_.read_all_now(wanted, origin);
+    std::vector<FileResult> received = read(wanted);
     for (std::size_t i = 0; i < places.size(); ++i) results[places[i]] = std::move(received[i]);
     return results;
   };

@@ -5,6 +5,7 @@
 #include "app/loading/fetch/cell_transfers.h"
 #include "app/loading/fetch/fetch.h"
 #include "app/loading/fetch/network_transfers.h"
+#include "app/loading/fetch/read_resources.h"
 #include "net/base/reference_policy.h"
 
 #include <chrono>
@@ -50,6 +51,8 @@ class Fetcher {
   [[nodiscard]] ReadFile reader_of(const net::Origin& origin);
   /// Returns a function that reads several files as reader_of() does.
   [[nodiscard]] ReadFiles files_of(const net::Origin& origin);
+  /// Returns a function that reads several files for views, as long as they live and on any thread.
+  [[nodiscard]] ReadFiles files_for_views(const net::Origin& origin);
   /// Handles some received data, or waits for it for at most `wait`. Returns false if nothing is being read.
   bool step(std::chrono::milliseconds wait);
   // If no earlier fetch is running, the count of files starts again at 0.
@@ -89,6 +92,9 @@ class Fetcher {
   void follow_rate();
 
   Loading& loading_;
+  using ReadWanted = std::function<std::vector<FileResult>(std::span<const WantedPart> wanted)>;
+  [[nodiscard]] ReadFiles files_by(const net::Origin& origin, ReadWanted read) const;
+
   net::ReferencePolicy policy_;
   NetworkTransfers network_;
   CellTransfers cells_;

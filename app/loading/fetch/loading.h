@@ -3,29 +3,16 @@
 #include "app/base/load_limit.h"
 #include "app/loading/fetch/fetcher.h"
 #include "app/loading/fetch/load_options.h"
+#include "app/loading/fetch/waker.h"
 #include "app/loading/updates/load_results.h"
 #include "app/streams/load_ledger.h"
 #include "base/budget.h"
 
 #include <chrono>
-#include <condition_variable>
 #include <memory>
-#include <mutex>
 #include <string>
 
 namespace gs::app {
-
-/// Wake-up signal of the reader thread.
-class Waker {
- public:
-  void wake();
-  void wait(std::chrono::milliseconds time);
-
- private:
-  std::mutex mutex_;
-  std::condition_variable something_;
-  bool awake_ = false;  // guarded by mutex_
-};
 
 /// Parts that all handlers of one world share. Used by the reader thread.
 struct Loading {

@@ -14,19 +14,12 @@ namespace {
 
 constexpr std::uint64_t kWorthChoosing = std::uint64_t{1} << 20;  // bytes; shorter streams are read as a whole
 
-std::string without_fragment(net::Url url) {
-  url.fragment.clear();
-  url.has_fragment = false;
-  return url.text();
-}
-
 // Converts bits per second to bytes per second. Rounds up, because a result of 0 means unlimited.
 std::uint64_t byte_rate_of(std::uint64_t bits) { return bits / 8 + (bits % 8 > 0 ? 1 : 0); }
 
 }  // namespace
 
-net::Loader& NetworkTransfers::loader() {
-  if (loader_) return *loader_;
+net::LoaderOptions NetworkTransfers::loader_options() const {
   net::LoaderOptions settings;
   settings.cache_folder = loading_.options.cache_folder;
   settings.memory = loading_.options.memory;
@@ -38,7 +31,11 @@ net::Loader& NetworkTransfers::loader() {
     waker->wake();
   };
   settings.wake = [waker = loading_.waker] { waker->wake(); };
-  loader_ = net::Loader::create(std::move(settings));
+  return settings;
+}
+
+net::Loader& NetworkTransfers::loader() {
+  if (!loader_) loader_ = net::Loader::create(loader_options());
   return *loader_;
 }
 
@@ -241,112 +238,20 @@ void NetworkTransfers::take_rest(Fetch& fetch) {
 
 // Reads a resource that an importer waits for. Events of other requests are queued meanwhile.
 BytesResult NetworkTransfers::read_now(const net::Url& url, const net::Origin& from) {
-  const Wanted wanted{url, std::nullopt};
+  const WantedPart wanted{url, std::nullopt};
   FileResult result = std::move(read_all_now({&wanted, 1}, from).front());
   if (auto* const bytes = std::get_if<SharedBytes>(&result)) return std::move(*bytes);
   if (auto* const problem = std::get_if<std::string>(&result)) return std::move(*problem);
   return std::move(std::get<NoFile>(result).why);
 }
 
-namespace {
-
-/// Request with the bytes that were received.
-struct CollectedRequest {
-  net::RequestId id;
-  std::vector<std::byte> bytes;
-  std::optional<std::uint64_t> total;
-  std::optional<FileResult> result;  // once it is over
-  bool only_total = false;           // the request asks for the length of the resource
-};
-
-/// Status codes that mean that a resource does not exist. Stores such as S3 answer 403 if they may not be listed.
-bool is_absent_resource(const net::LoadError& error) {
-  return error.kind == net::LoadErrorKind::not_found || error.http_status == 403;
-}
-
-}  // namespace
-
-std::vector<FileResult> NetworkTransfers::read_all_now(std::span<const Wanted> wanted, const net::Origin& from) {
-  std::vector<CollectedRequest> requests(wanted.size());
-  struct Held {
-    explicit Held(const WorldBudget& budget) : share(budget, Resource::files) {}
-    std::vector<std::vector<std::byte>> bytes;
-    Share share;
-  };
-  const auto held = std::make_shared<Held>(loading_.budget);
-  const auto ask_for = [&](CollectedRequest& request, const Wanted& one, std::vector<net::ByteRange> ranges) {
-    net::Request made;
-    made.url = without_fragment(one.url);
-    made.from = from;
-    if (loading_.options.component.growing) made.cache = net::CacheUse::reload;
-    made.ranges = std::move(ranges);
-    made.priority = static_cast<int>(Urgency::world) * kUrgencyStep;
-    request.id = loader().request(std::move(made));
-  };
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
-    std::vector<net::ByteRange> ranges;
-    if (const auto& part = wanted[i].part) {
-      requests[i].only_total = part->from_end;
-      ranges = {part->from_end ? net::ByteRange{0, 1} : net::ByteRange{part->offset, part->offset + part->bytes}};
-    }
-    ask_for(requests[i], wanted[i], std::move(ranges));
-  }
-  std::size_t open = requests.size();
-  const auto finish = [&](CollectedRequest& request, FileResult result) {
-    request.result = std::move(result);
-    --open;
-  };
-  const auto end = [&](CollectedRequest& request, const Wanted& one) {
-    if (!request.only_total) return finish(request, SharedBytes{held, request.bytes});
-    const std::uint64_t length = one.part->bytes;
-    if (!request.total || *request.total < length)
-      return finish(request, net::url_for_messages(one.url.text()) + ": expected at least " + std::to_string(length) +
-                                 " bytes, and a server that states the length");
-    request.only_total = false;
-    request.bytes.clear();
-    ask_for(request, one, {{*request.total - length, *request.total}});
-  };
-  while (open > 0 && !loading_.limit.over()) {
-    for (net::LoadEvent& event : loader_->poll()) {
-      const auto request = std::ranges::find(requests, event.id, &CollectedRequest::id);
-      if (request == requests.end()) {
-        events_.push_back(std::move(event));
-        continue;
-      }
-      if (request->result) continue;
-      const Wanted& one = wanted[static_cast<std::size_t>(request - requests.begin())];
-      if (const auto* const head = std::get_if<net::LoadHead>(&event.what)) {
-        request->total = head->total;
-      } else if (const auto* const data = std::get_if<net::LoadData>(&event.what)) {
-        if (!held->share.grow(data->bytes.size())) {
-          finish(*request, loading_.budget->refusal(Resource::files));
-          continue;
-        }
-        request->bytes.insert(request->bytes.end(), data->bytes.begin(), data->bytes.end());
-      } else if (std::holds_alternative<net::LoadRestarted>(event.what)) {
-        request->bytes.clear();
-      } else if (std::holds_alternative<net::LoadDone>(event.what)) {
-        end(*request, one);
-      } else if (auto* const error = std::get_if<net::LoadError>(&event.what)) {
-        finish(*request, is_absent_resource(*error) ? FileResult(NoFile{std::move(error->message)})
-                                                    : FileResult(std::move(error->message)));
-      }
-    }
-    if (open > 0 && loader_->queued_bytes() == 0) loading_.waker->wait(kLongestWait);
-  }
-  std::vector<FileResult> results;
-  for (CollectedRequest& request : requests) {
-    loader_->cancel(request.id);
-    loading_.fetcher.count_received(request.bytes.size());
-    if (!request.result) request.result = std::string("the time limit for loading was reached");
-    if (auto* const bytes = std::get_if<SharedBytes>(&*request.result)) {
-      // The bytes keep their place when the vector moves.
-      held->bytes.push_back(std::move(request.bytes));
-      *bytes = {held, held->bytes.back()};
-    }
-    results.push_back(std::move(*request.result));
-  }
-  return results;
+std::vector<FileResult> NetworkTransfers::read_all_now(std::span<const WantedPart> wanted, const net::Origin& from) {
+  ReadingHooks hooks;
+  hooks.stopped = [this] { return loading_.limit.over(); };
+  hooks.other = [this](net::LoadEvent event) { events_.push_back(std::move(event)); };
+  hooks.wait = [this] { loading_.waker->wait(kLongestWait); };
+  hooks.received = [this](std::uint64_t bytes) { loading_.fetcher.count_received(bytes); };
+  return read_resources(loader(), wanted, from, loading_.budget, hooks);
 }
 
 }  // namespace gs::app

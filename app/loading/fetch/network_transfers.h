@@ -4,6 +4,7 @@
 #include "app/base/read_files.h"
 #include "app/loading/fetch/fetch.h"
 #include "app/loading/fetch/load_notices.h"
+#include "app/loading/fetch/read_resources.h"
 #include "app/streams/ranged_stream.h"
 #include "net/load/loader.h"
 #include "vrml/scene/scene_graph.h"
@@ -33,6 +34,8 @@ class NetworkTransfers {
 
   explicit NetworkTransfers(Loading& loading) : loading_(loading) {}
 
+  /// Returns the options of the loader.
+  [[nodiscard]] net::LoaderOptions loader_options() const;
   /// Returns the loader; creates it at the first call.
   [[nodiscard]] net::Loader& loader();
   /// Requests the current candidate of a fetch.
@@ -44,13 +47,8 @@ class NetworkTransfers {
   void set_rate();
   /// Returns the bytes of a resource. Blocks; events of other requests are queued meanwhile.
   [[nodiscard]] BytesResult read_now(const net::Url& url, const net::Origin& from);
-  /// Part of a resource.
-  struct Wanted {
-    net::Url url;
-    std::optional<FilePart> part;
-  };
   /// Returns the bytes of several resources, which are requested at once. Blocks as read_now().
-  [[nodiscard]] std::vector<FileResult> read_all_now(std::span<const Wanted> wanted, const net::Origin& from);
+  [[nodiscard]] std::vector<FileResult> read_all_now(std::span<const WantedPart> wanted, const net::Origin& from);
 
   /// Cancels the stream of this row in the ledger.
   void cancel_stream(std::uint64_t row);

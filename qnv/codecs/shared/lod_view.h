@@ -21,6 +21,7 @@ struct VolumeNeeds {
   std::uint32_t step = 0;                         // of a time series
   glm::vec4 clip{0};                              // vectors with dot(clip, (p, 1)) < 0 are hidden; zero means none
   std::array<glm::vec4, 3> slices{};              // planes that show values; zero means none
+  std::array<std::optional<glm::vec3>, 4> points{};  // places that come first: under the pointer, and of the ruler
   std::optional<std::bitset<256>> hidden_classes; // of vectors; nullopt means those that the stream's transfer function
                                                   // hides
   friend bool operator==(const VolumeNeeds&, const VolumeNeeds&) = default;

@@ -157,4 +157,32 @@ bool read_slice(const VolumeSource& source, std::uint32_t z, std::vector<std::by
   return true;
 }
 
+bool lies_in(const VoxelBox& box, const std::array<std::uint32_t, 3>& dimensions) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (box.size[a] == 0 || box.step[a] == 0 || box.first[a] >= dimensions[a]) return false;
+    const std::uint64_t last = box.first[a] + (box.size[a] - std::uint64_t{1}) * box.step[a];
+    if (last >= dimensions[a]) return false;
+  }
+  return true;
+}
+
+bool read_voxels(const VolumeSource& source, const VoxelBox& box, std::span<std::byte> to) {
+  const std::size_t voxel = size_of(source.layout.type);
+  if (!lies_in(box, source.layout.dimensions) || to.size() != voxel_count(box) * voxel) return false;
+  if (source.read_box) return source.read_box(box, to);
+  if (!source.read) return false;
+  std::vector<std::byte> slice(slice_voxels(source.layout) * voxel);
+  const std::size_t row = source.layout.dimensions[0] * voxel;
+  std::byte* next = to.data();
+  for (std::uint32_t z = 0; z < box.size[2]; ++z) {
+    if (!source.read(box.first[2] + z * box.step[2], slice)) return false;
+    for (std::uint32_t y = 0; y < box.size[1]; ++y) {
+      const std::byte* from = slice.data() + (box.first[1] + std::size_t{y} * box.step[1]) * row + box.first[0] * voxel;
+      for (std::uint32_t x = 0; x < box.size[0]; ++x, from += box.step[0] * voxel, next += voxel)
+        std::memcpy(next, from, voxel);
+    }
+  }
+  return true;
+}
+
 }  // namespace gs::qnv

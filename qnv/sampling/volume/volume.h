@@ -33,6 +33,11 @@ struct VolumeLayout {
   std::vector<std::pair<std::string, std::string>> metadata;  // UTF-8
 };
 
+/// Voxels of a volume: `size` of them along each axis, from voxel `first` on, `step` voxels apart.
+struct VoxelBox {
+  std::array<std::uint32_t, 3> first{}, size{1, 1, 1}, step{1, 1, 1};
+};
+
 /// Volume: its layout, and a function that reads the stored bytes of slice z. A slice has x * y voxels. The function
 /// returns false on failure. Only one thread at a time calls it; z may have any order.
 struct VolumeSource {
@@ -44,6 +49,12 @@ struct VolumeSource {
   std::vector<VolumeSource> coarser{};     // the same space with fewer voxels, the coarsest first
   /// Returns a message about parts that could not be read so far; empty if there are none. May be null.
   std::function<std::string()> trouble{};
+  /// Reads the stored bytes of the voxels of a box, x first. Returns false on failure, or if the box leaves the volume.
+  /// Null if only slices can be read. The rules of `read` hold.
+  std::function<bool(const VoxelBox& box, std::span<std::byte> voxels)> read_box{};
+  /// Edges of the boxes of voxels that are stored together, so that reading one voxel takes the work for all of them. 0
+  /// if each row of voxels can be read alone.
+  std::array<std::uint32_t, 3> chunk{};
 };
 
 }  // namespace gs::qnv

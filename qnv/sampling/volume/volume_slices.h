@@ -50,4 +50,14 @@ void stored_numbers(const VolumeLayout& layout, std::span<const std::byte> store
 [[nodiscard]] bool read_slice(const VolumeSource& source, std::uint32_t z, std::vector<std::byte>& scratch,
                               std::span<float> values);
 
+/// Reports whether a box is not empty and lies in a volume of these dimensions.
+[[nodiscard]] bool lies_in(const VoxelBox& box, const std::array<std::uint32_t, 3>& dimensions);
+/// Returns the number of voxels of a box.
+[[nodiscard]] inline std::uint64_t voxel_count(const VoxelBox& box) {
+  return std::uint64_t{box.size[0]} * box.size[1] * box.size[2];
+}
+/// Reads the stored bytes of the voxels of a box, x first. Sources without read_box() read the slices of the box.
+/// Returns false if the source fails, or if the box leaves the volume.
+[[nodiscard]] bool read_voxels(const VolumeSource& source, const VoxelBox& box, std::span<std::byte> to);
+
 }  // namespace gs::qnv

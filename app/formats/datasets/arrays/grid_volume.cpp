@@ -1,7 +1,7 @@
 #include "app/formats/datasets/arrays/grid_volume.h"
 
 #include "app/formats/common/dataset_list.h"
-#include "app/formats/datasets/arrays/slab_reader.h"
+#include "app/formats/datasets/arrays/grid_reader.h"
 #include "qnv/container/step_table.h"
 #include "qnv/container/value_grid.h"
 #include "qnv/sampling/volume/color_voxels.h"
@@ -28,94 +28,6 @@ struct Resampling {
   double first = 0, step = 1;
 
   [[nodiscard]] Place place(std::uint32_t i) const { return places.empty() ? Place{i, i, 0} : places[i]; }
-};
-
-/// Reads one component of one step of a volume. The indices of the other axes are constant.
-class GridReader {
- public:
-  GridReader(std::shared_ptr<SlabReader> slabs, std::shared_ptr<const GridSpec> spec, const ArrayInfo& array)
-      : slabs_(std::move(slabs)), spec_(std::move(spec)), type_(array.type), parts_(array.parts) {
-    slice_.first.assign(array.shape.size(), 0);
-    slice_.count.assign(array.shape.size(), 1);
-    for (std::size_t i = 0; i < spec_->axes.size(); ++i) {
-      const AxisRole role = spec_->axes[i].role;
-      if (role == AxisRole::x) x_ = i;
-      if (role == AxisRole::y) y_ = i;
-      if (role == AxisRole::z) slice_.along = i;
-      if (role == AxisRole::component) component_axis_ = i;
-      if (role == AxisRole::x || role == AxisRole::y || role == AxisRole::component) slice_.count[i] = array.shape[i];
-    }
-    size_ = {x_ ? array.shape[*x_] : 1, y_ ? array.shape[*y_] : 1, slice_.along ? array.shape[*slice_.along] : 1};
-  }
-
-  void choose_array(std::size_t array) { slice_.array = array; }
-  void choose_index(std::size_t axis, std::uint64_t index) { slice_.first[axis] = index; }
-  /// Chooses a component: an element along the axis of components, or a part of each element.
-  void choose_component(std::uint64_t component) { component_ = component; }
-  [[nodiscard]] const std::array<std::uint64_t, 3>& size() const { return size_; }
-  [[nodiscard]] NumberType type() const { return type_; }
-
-  /// Reads the stored numbers of a slice, x first. `to` has their size.
-  bool read_stored(std::uint64_t z, std::span<std::byte> to) {
-    const std::size_t number = size_of(type_), element = number * parts_;
-    if (z >= size_[2] || to.size() != number * size_[0] * size_[1]) return false;
-    if (slice_.along) slice_.first[*slice_.along] = z;
-    std::size_t offset = 0;
-    std::vector<std::uint64_t> counts;
-    const auto slab = slabs_->read(slice_, offset, counts);
-    if (!slab) return false;
-    std::vector<std::size_t> steps(counts.size(), element);
-    for (std::size_t i = counts.size(); i-- > 1;) steps[i - 1] = steps[i] * static_cast<std::size_t>(counts[i]);
-    if (component_axis_)
-      offset += steps[*component_axis_] * static_cast<std::size_t>(component_);
-    else
-      offset += number * static_cast<std::size_t>(component_);
-    const std::size_t along_x = x_ ? steps[*x_] : element, along_y = y_ ? steps[*y_] : 0;
-    std::byte* next = to.data();
-    for (std::uint64_t y = 0; y < size_[1]; ++y) {
-      const std::byte* from = slab->data() + offset + along_y * y;
-      if (along_x == number) {
-        std::memcpy(next, from, number * size_[0]);
-        next += number * size_[0];
-        continue;
-      }
-      for (std::uint64_t x = 0; x < size_[0]; ++x, from += along_x, next += number) std::memcpy(next, from, number);
-    }
-    return true;
-  }
-
-  /// Reads the stored numbers of a slice as doubles; missing ones are NaN.
-  bool read_numbers(std::uint64_t z, std::vector<double>& to) {
-    raw_.resize(size_of(type_) * static_cast<std::size_t>(size_[0] * size_[1]));
-    if (!read_stored(z, raw_)) return false;
-    NumberType type = type_;
-    if (spec_->reads_unsigned && type < NumberType::f32 && (static_cast<int>(type) & 1) != 0)
-      type = static_cast<NumberType>(static_cast<int>(type) - 1);
-    to = doubles_of(type, raw_);
-    for (double& number : to) {
-      const bool out = (spec_->least && number < *spec_->least) || (spec_->most && number > *spec_->most);
-      if (out || std::ranges::find(spec_->missing, number) != spec_->missing.end())
-        number = std::numeric_limits<double>::quiet_NaN();
-    }
-    return true;
-  }
-  /// Reads the values of a slice, with slope and intercept.
-  bool read_values(std::uint64_t z, std::vector<double>& to) {
-    if (!read_numbers(z, to)) return false;
-    for (double& number : to) number = number * spec_->slope + spec_->intercept;
-    return true;
-  }
-
- private:
-  std::shared_ptr<SlabReader> slabs_;
-  std::shared_ptr<const GridSpec> spec_;
-  NumberType type_;
-  std::uint32_t parts_;
-  ArraySlice slice_;
-  std::optional<std::size_t> x_, y_, component_axis_;
-  std::uint64_t component_ = 0;
-  std::array<std::uint64_t, 3> size_{1, 1, 1};
-  std::vector<std::byte> raw_;
 };
 
 double mixed(double below, double above, float weight, bool nearest) {
@@ -372,7 +284,37 @@ class GridBuilder {
       };
     else
       source.read = [reader](std::uint32_t z, std::span<std::byte> to) { return reader->read_stored(z, to); };
+    set_box_reader(source, reader);
     return source;
+  }
+
+  /// Sets the function that reads boxes, unless values are interpolated.
+  void set_box_reader(qnv::VolumeSource& source, const std::shared_ptr<GridReader>& reader) const {
+    for (const Resampling& axis : along_)
+      if (!axis.places.empty()) return;
+    source.chunk = reader->chunk();
+    if (form_ == GridForm::stored) {
+      source.read_box = [reader, dimensions = layout_.dimensions, number = size_of(reader->type())](
+                            const qnv::VoxelBox& box, std::span<std::byte> to) {
+        return qnv::lies_in(box, dimensions) && to.size() == qnv::voxel_count(box) * number &&
+               reader->read_stored(box, to);
+      };
+      return;
+    }
+    source.read_box = [reader, dimensions = layout_.dimensions, form = form_, numbers = std::vector<double>()](
+                          const qnv::VoxelBox& box, std::span<std::byte> to) mutable {
+      const std::size_t number = form == GridForm::values ? sizeof(float) : sizeof(double);
+      if (!qnv::lies_in(box, dimensions) || to.size() != qnv::voxel_count(box) * number) return false;
+      if (!(form == GridForm::values ? reader->read_values(box, numbers) : reader->read_numbers(box, numbers)))
+        return false;
+      std::byte* next = to.data();
+      for (const double one : numbers) {
+        const auto narrow = static_cast<float>(one);
+        std::memcpy(next, form == GridForm::values ? static_cast<const void*>(&narrow) : &one, number);
+        next += number;
+      }
+      return true;
+    };
   }
 
   [[nodiscard]] qnv::VolumeSource magnitude_of_step(std::uint64_t step) const {

@@ -9,6 +9,7 @@ namespace gs::app {
 namespace {
 
 constexpr std::uint64_t kLeastSlab = std::uint64_t{1} << 20, kMostSlabs = std::uint64_t{256} << 20;
+constexpr std::uint64_t kMostPart = std::uint64_t{1} << 30;
 constexpr std::size_t kLargeFile = std::size_t{256} << 20;  // files that are read slice by slice leave memory again
 
 }  // namespace
@@ -79,6 +80,25 @@ std::shared_ptr<const std::vector<std::byte>> SlabReader::read(const ArraySlice&
   }
   counts = slab.count;
   return slab.bytes;
+}
+
+bool SlabReader::read_part(std::size_t array, std::span<const std::uint64_t> first,
+                           std::span<const std::uint64_t> count, std::vector<std::byte>& to) {
+  const std::scoped_lock lock(mutex_);
+  const ArrayInfo& info = file_->arrays()[array];
+  std::uint64_t bytes = size_of(info.type) * info.parts;
+  for (const std::uint64_t one : count) {
+    if (one > kMostPart / bytes) return false;
+    bytes *= one;
+  }
+  if (bytes > budget_->left(Resource::volumes)) return false;
+  to.resize(static_cast<std::size_t>(bytes));
+  return file_->read(array, first, count, to).empty();
+}
+
+void SlabReader::put_aside() {
+  const std::scoped_lock lock(mutex_);
+  if (content_.file && content_.bytes.size() >= kLargeFile) content_.file->put_aside(content_.bytes.size());
 }
 
 }  // namespace gs::app

@@ -30,6 +30,16 @@ class SlabReader {
   [[nodiscard]] std::shared_ptr<const std::vector<std::byte>> read(const ArraySlice& slice, std::size_t& offset,
                                                                    std::vector<std::uint64_t>& counts);
 
+  /// Reads a box of an array into `to`, without keeping it. Returns false on failure.
+  [[nodiscard]] bool read_part(std::size_t array, std::span<const std::uint64_t> first,
+                               std::span<const std::uint64_t> count, std::vector<std::byte>& to);
+  /// Lets the pages of a large file leave memory.
+  void put_aside();
+  /// Returns the edges of the chunks of an array; none if it has no chunks.
+  [[nodiscard]] const std::vector<std::uint64_t>& chunk(std::size_t array) const {
+    return file_->arrays()[array].chunk;
+  }
+
  private:
   struct Slab {
     std::size_t array = 0;

@@ -130,9 +130,10 @@ std::vector<DatasetEntry> list_ome(DatasetTree& tree) {
     if (!image.name.empty() && image.name.size() < 64) entry.note += ", image '" + image.name + "'";
     // The finest level of the first image that is not too large to read as a whole; else the coarsest one.
     const double most = file.is_remote() ? kMostRemoteOme : kMostLocalOme, count = ome_elements(image, array);
-    entry.rank = (count <= most ? count : 1 / count) / (image.labels                       ? 1e18
-                                                        : &image == &file.images().front() ? 1
-                                                                                           : 1e9);
+    const double others_first = image.labels ? 1e18 : &image == &file.images().front() ? 1 : 1e9;
+    entry.rank = (count <= most ? count : 1 / count) / others_first;
+    // Views read parts of the finest level.
+    entry.view_rank = image.labels ? entry.rank : count / others_first;
     entries.push_back(std::move(entry));
   }
   std::ranges::move(others, std::back_inserter(entries));

@@ -229,7 +229,9 @@ class Hdf5File final : public ArrayFile {
       constexpr double kMostSlots = 1 << 20;
       const auto slots = static_cast<std::size_t>(std::min(chunks * 8 + 521, kMostSlots)) | 1;
       const auto cache = static_cast<std::size_t>(std::min(bytes, static_cast<double>(cache_bytes_)));
-      (void)H5Pset_chunk_cache(access.get(), slots, cache, 1.0);
+      // With a preemption of 1, the library would keep all chunks of which only parts were read.
+      constexpr double kPreemption = 0;
+      (void)H5Pset_chunk_cache(access.get(), slots, cache, kPreemption);
     }
     Hdf5Handle handle(H5Dopen2(file_.get(), array.path.c_str(), access.get()), H5Dclose);
     if (!handle) return H5I_INVALID_HID;

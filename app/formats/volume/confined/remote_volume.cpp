@@ -114,7 +114,10 @@ std::variant<qnv::VolumeSource, std::string> RemoteVolume::open(const std::share
   const MakeSliceReader make = [&self](std::size_t number, const qnv::VolumeLayout&) {
     return [self, number](std::uint32_t z, std::span<std::byte> to) { return self->read(number, z, to); };
   };
-  auto reply = volume_reply_of(self->reply_, make);
+  const MakeBoxReader make_box = [&self](std::size_t number) {
+    return [self, number](const qnv::VoxelBox& box, std::span<std::byte> to) { return self->read_box(number, box, to); };
+  };
+  auto reply = volume_reply_of(self->reply_, make, make_box);
   if (!reply) return std::string(kImpossible);
   if (self->request_.component.found) *self->request_.component.found = std::move(reply->datasets);
   if (auto* const error = std::get_if<std::string>(&reply->volume)) {
@@ -199,9 +202,7 @@ RemoteVolume::Slot* RemoteVolume::request(std::size_t source, std::uint32_t firs
   return &slot;
 }
 
-bool RemoteVolume::await() {
-  const std::size_t at = *pending_;
-  pending_.reset();
+std::optional<DecodeAnswer> RemoteVolume::next_answer() {
   const auto stopped = [this] { return budget_->stopped(); };
   auto answered = process_->await_answer(stopped, kSlicePatience);
   const auto* answer = std::get_if<DecodeAnswer>(&answered);
@@ -210,13 +211,20 @@ bool RemoteVolume::await() {
     const auto files = asked < kMostBatchedFiles && is_file_request(text) ? files_.answer(text) : std::nullopt;
     if (!files) {
       failed_ = true;
-      return false;
+      return std::nullopt;
     }
     answered = process_->give_file(*files, stopped, kSlicePatience);
     answer = std::get_if<DecodeAnswer>(&answered);
   }
-  Slot& slot = slots_[at];
   if (answer && answer->good == 1 && answer->text[0] != 0) trouble_ = error_in(*answer);
+  return answer ? std::optional(*answer) : std::nullopt;
+}
+
+bool RemoteVolume::await() {
+  const std::size_t at = *pending_;
+  pending_.reset();
+  const auto answer = next_answer();
+  Slot& slot = slots_[at];
   const std::uint64_t read = answer && answer->good == 1 ? answer->count : 0;
   slot.count = static_cast<std::uint32_t>(std::min<std::uint64_t>(slot.count, read));
   return slot.count > 0;
@@ -261,6 +269,33 @@ bool RemoteVolume::read(std::size_t number, std::uint32_t slice, std::span<std::
     work_ahead(*slot);
   }
   std::memcpy(to.data(), results.data() + offset, to.size());
+  return true;
+}
+
+bool RemoteVolume::read_box(std::size_t number, const qnv::VoxelBox& box, std::span<std::byte> to) {
+  const std::lock_guard lock(mutex_);
+  if (failed_ || number >= sources_.size() || to.empty()) return false;
+  VolumeChildren::of_program().use(this);
+  if (!process_ && !restart()) {
+    failed_ = true;
+    return false;
+  }
+  if (pending_) (void)await();
+  // Boxes use the memory of the slots.
+  forget_slots();
+  if (!process_->good()) return false;
+  DecodeRequest request = request_of(DecodeOperation::read_box, to.size());
+  request.source = number;
+  request.box = numbers_of(box);
+  if (!process_->begin(request, to.size())) return false;
+  const auto answer = next_answer();
+  if (!answer || answer->good != 1) {
+    failed_ = failed_ || !process_->good();
+    return false;
+  }
+  const auto results = process_->results(to.size());
+  if (results.size() != to.size()) return false;
+  std::memcpy(to.data(), results.data(), to.size());
   return true;
 }
 

@@ -35,6 +35,8 @@ class RemoteVolume : NonCopyable {
   [[nodiscard]] DatasetList list();
   /// Reads a slice of a source. Returns false on failure.
   [[nodiscard]] bool read(std::size_t source, std::uint32_t slice, std::span<std::byte> to);
+  /// Reads the voxels of a box of a source. Returns false on failure.
+  [[nodiscard]] bool read_box(std::size_t source, const qnv::VoxelBox& box, std::span<std::byte> to);
   /// Returns a message about parts that could not be read so far; empty if there are none.
   [[nodiscard]] std::string trouble() const;
   /// Ends the child, unless a thread reads. The next read starts it again. Returns true if it has ended.
@@ -68,7 +70,9 @@ class RemoteVolume : NonCopyable {
   [[nodiscard]] bool restart();
   /// Sends a request for slices. Returns null if the child has ended.
   [[nodiscard]] Slot* request(std::size_t source, std::uint32_t first, std::uint32_t count);
-  /// Waits for the answer to the last request. Returns false if the child has ended, or could not read the slices.
+  /// Waits for an answer of the child, and gives it the files for which it asks. Returns null if the child has ended.
+  [[nodiscard]] std::optional<DecodeAnswer> next_answer();
+  /// Waits for the answer to the last request for slices. Returns false if the child has ended, or could not read the slices.
   [[nodiscard]] bool await();
   /// Requests the slices behind a slot, if the source is read in order.
   void work_ahead(const Slot& slot);

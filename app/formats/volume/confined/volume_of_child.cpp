@@ -4,6 +4,7 @@
 #include "app/formats/volume/confined/file_requests.h"
 #include "app/formats/volume/confined/volume_transfer.h"
 #include "base/budget.h"
+#include "qnv/sampling/volume/volume_slices.h"
 
 #include <cstdint>
 #include <utility>
@@ -38,6 +39,12 @@ class VolumeOfChild final : public OpenData {
     if (source >= sources_.size()) return false;
     const qnv::VolumeSource& one = *sources_[static_cast<std::size_t>(source)];
     return slice < one.layout.dimensions[2] && one.read(static_cast<std::uint32_t>(slice), to);
+  }
+
+  bool read_box(std::uint64_t source, const std::array<std::uint32_t, 9>& numbers, std::span<std::byte> to) override {
+    if (source >= sources_.size()) return false;
+    const qnv::VolumeSource& one = *sources_[static_cast<std::size_t>(source)];
+    return one.read_box && qnv::read_voxels(one, voxel_box_of(numbers), to);
   }
 
  private:

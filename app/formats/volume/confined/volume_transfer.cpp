@@ -56,17 +56,25 @@ qnv::VolumeLayout read_layout(TransferReader& from) {
   return layout;
 }
 
+// Writes the layout of a source, and how its boxes are read.
+void write_plain(TransferWriter& to, const qnv::VolumeSource& source) {
+  write_layout(to, source.layout);
+  to.value<std::uint8_t>(source.read_box != nullptr);
+  to.value(source.chunk);
+}
+
 // Writes a source with its components and, if it is a time series, its steps.
 void write_source(TransferWriter& to, const qnv::VolumeSource& source) {
-  write_layout(to, source.layout);
+  write_plain(to, source);
   to.value<std::uint64_t>(source.components.size());
-  for (const qnv::VolumeSource& one : source.components) write_layout(to, one.layout);
+  for (const qnv::VolumeSource& one : source.components) write_plain(to, one);
 }
 
 /// Reader of the sources of a volume.
 class SourceReader {
  public:
-  SourceReader(TransferReader& from, const MakeSliceReader& make) : from_(from), make_(make) {}
+  SourceReader(TransferReader& from, const MakeSliceReader& make, const MakeBoxReader& make_box)
+      : from_(from), make_(make), make_box_(make_box) {}
 
   qnv::VolumeSource volume() {
     constexpr std::size_t kLeastSource = 100;  // bytes
@@ -97,7 +105,12 @@ class SourceReader {
   qnv::VolumeSource plain() {
     qnv::VolumeSource made;
     made.layout = read_layout(from_);
-    made.read = make_(number_++, made.layout);
+    made.read = make_(number_, made.layout);
+    const bool boxes = from_.truth();
+    if (boxes && make_box_) made.read_box = make_box_(number_);
+    made.chunk = from_.value<std::array<std::uint32_t, 3>>();
+    for (std::size_t a = 0; a < 3; ++a) require_possible(made.chunk[a] <= made.layout.dimensions[a]);
+    ++number_;
     return made;
   }
   qnv::VolumeSource source() {
@@ -117,6 +130,7 @@ class SourceReader {
 
   TransferReader& from_;
   const MakeSliceReader& make_;
+  const MakeBoxReader& make_box_;
   std::size_t number_ = 0;
 };
 
@@ -190,7 +204,17 @@ std::vector<const qnv::VolumeSource*> numbered_sources(const qnv::VolumeSource& 
   return all;
 }
 
-std::optional<VolumeReply> volume_reply_of(std::span<const std::byte> bytes, const MakeSliceReader& make) try {
+std::array<std::uint32_t, 9> numbers_of(const qnv::VoxelBox& box) {
+  return {box.first[0], box.first[1], box.first[2], box.size[0], box.size[1],
+          box.size[2],  box.step[0],  box.step[1],  box.step[2]};
+}
+
+qnv::VoxelBox voxel_box_of(const std::array<std::uint32_t, 9>& numbers) {
+  return {{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}, {numbers[6], numbers[7], numbers[8]}};
+}
+
+std::optional<VolumeReply> volume_reply_of(std::span<const std::byte> bytes, const MakeSliceReader& make,
+                                           const MakeBoxReader& make_box) try {
   TransferReader from(bytes);
   VolumeReply reply;
   reply.held = from.value<std::uint64_t>();
@@ -201,7 +225,7 @@ std::optional<VolumeReply> volume_reply_of(std::span<const std::byte> bytes, con
     require_possible(!error.empty());
     reply.volume = std::move(error);
   } else {
-    reply.volume = SourceReader(from, make).volume();
+    reply.volume = SourceReader(from, make, make_box).volume();
   }
   reply.datasets = read_datasets(from);
   require_possible(from.empty());

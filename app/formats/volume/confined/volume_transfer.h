@@ -6,6 +6,7 @@
 #include "app/formats/volume/raw_volume.h"
 #include "qnv/sampling/volume/volume.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -41,11 +42,18 @@ struct VolumeReply {
 /// of each step behind the step; then the coarser versions in the same way.
 [[nodiscard]] std::vector<const qnv::VolumeSource*> numbered_sources(const qnv::VolumeSource& volume);
 
+/// Box of voxels as the numbers of a request: first voxel, size and steps.
+[[nodiscard]] std::array<std::uint32_t, 9> numbers_of(const qnv::VoxelBox& box);
+[[nodiscard]] qnv::VoxelBox voxel_box_of(const std::array<std::uint32_t, 9>& numbers);
+
 /// Makes the function that reads a source of a volume in a child.
 using MakeSliceReader =
     std::function<decltype(qnv::VolumeSource::read)(std::size_t number, const qnv::VolumeLayout& layout)>;
+/// Makes the function that reads boxes of a source of a volume in a child.
+using MakeBoxReader = std::function<decltype(qnv::VolumeSource::read_box)(std::size_t number)>;
 /// Reads the reply of a child. Trusts nothing: layouts must pass qnv::check(), all sources have the same dimensions,
 /// times ascend, and colours have three or four components of 8 bits. Otherwise returns nullopt.
-[[nodiscard]] std::optional<VolumeReply> volume_reply_of(std::span<const std::byte> bytes, const MakeSliceReader& make);
+[[nodiscard]] std::optional<VolumeReply> volume_reply_of(std::span<const std::byte> bytes, const MakeSliceReader& make,
+                                                         const MakeBoxReader& make_box = {});
 
 }  // namespace gs::app

@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
+#include <glm/vector_relational.hpp>
 
 #include <algorithm>
 #include <array>
@@ -28,6 +29,9 @@ constexpr double kHiddenFactor = 1.0 / 64;
 // Priority factor of bricks that a slice shows. They count as three levels coarser.
 constexpr double kSliceFactor = 8;
 
+// Priority factor of bricks that have a point of the view. They count as nine levels coarser.
+constexpr double kPointFactor = 512;
+
 struct Wish {
   double size = 0;  // of a voxel of the next coarser level, in pixels
   BrickName name;
@@ -46,6 +50,13 @@ std::pair<float, float> distances(const Box& box, const glm::vec4& plane) {
 
 // Reports whether a plane hides a whole box.
 bool below(const Box& box, const glm::vec4& plane) { return plane != glm::vec4(0) && distances(box, plane).second < 0; }
+
+// Reports whether a view wants the values at a point of a box.
+bool has_point(const Box& box, const VolumeNeeds& needs) {
+  return std::ranges::any_of(needs.points, [&](const std::optional<glm::vec3>& point) {
+    return point && glm::all(glm::lessThanEqual(box.lower, *point)) && glm::all(glm::lessThanEqual(*point, box.upper));
+  });
+}
 
 bool shows(std::span<const TransferPoint> transfer, float value) {
   const auto next = std::ranges::find_if(transfer, [&](const TransferPoint& p) { return p.value >= value; });
@@ -175,12 +186,13 @@ std::vector<BrickName> choose_bricks(const BrickChoice& choice) {
       const VolumeNeeds& needs = view.volume;
       const bool vectors = has_vectors && !needs.only_slices && !below(box, needs.clip),
                  slice = touches_slice(box, coarse, needs);
-      if ((!vectors && !slice) || outside(box, view)) continue;
+      const bool point = has_point(box, needs);
+      if (!point && ((!vectors && !slice) || outside(box, view))) continue;
       const float distance = glm::length(view.eye - glm::clamp(view.eye, box.lower, box.upper));
       const double pixels = static_cast<double>(coarse) * view.pixels / std::max(distance, coarse);
-      if (!(pixels > view.error_pixels)) continue;
+      if (!point && !(pixels > view.error_pixels)) continue;
       const bool visible = vectors && choice.shares.visible(name, needs.hidden_classes);
-      size = std::max(size, pixels * (slice ? kSliceFactor : visible ? 1 : kHiddenFactor));
+      size = std::max(size, pixels * (point ? kPointFactor : slice ? kSliceFactor : visible ? 1 : kHiddenFactor));
     }
     if (size > 0) wishes.push({size, name});
   };

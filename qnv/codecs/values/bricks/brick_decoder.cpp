@@ -343,7 +343,9 @@ void BrickDecoder::merge(bool with_values) {
     shown_ = base_volume_;
     return;
   }
-  auto merged = std::make_shared<Volume>(values::merge_bricks(*base_volume_, layout_, levels_, merged_, cache_));
+  auto merged = std::make_shared<Volume>(
+      values::merge_bricks(*base_volume_, layout_, levels_, merged_,
+                           [this](const values::BrickName& name) { return cache_.find(name); }));
   auto values = std::make_shared<VolumeValues>(*base_volume_->values);
   for (const values::BrickName& name : with_values ? merged_ : std::vector<values::BrickName>())
     if (const values::Brick* const brick = cache_.find(name); brick && brick->samples)

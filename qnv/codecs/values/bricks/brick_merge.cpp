@@ -19,14 +19,14 @@ using Names = std::unordered_set<BrickName, BrickNameHash>;
 
 /// Lowest keys of the vectors to show, by level.
 std::vector<std::uint32_t> lowest_keys(const BrickLayout& layout, std::span<const BrickName> chosen,
-                                       const BrickCache& cache) {
+                                       const FindBrick& find) {
   std::vector<std::uint32_t> lowest(static_cast<std::size_t>(layout.base()), 1);
   std::vector<std::uint64_t> counts(kLengthKeys);
   for (int level = 0; level < layout.base(); ++level) {
     std::ranges::fill(counts, 0);
     double wanted = 0;
     for (const BrickName& name : chosen) {
-      const Brick* const brick = name.level == level ? cache.find(name) : nullptr;
+      const Brick* const brick = name.level == level ? find(name) : nullptr;
       if (!brick) continue;
       wanted += brick->wanted;
       for (const BrickVector& vector : brick->vectors) ++counts[length_key(vector.length)];
@@ -43,15 +43,15 @@ std::vector<std::uint32_t> lowest_keys(const BrickLayout& layout, std::span<cons
 class MergedLists {
  public:
   MergedLists(const Volume& base, const BrickLayout& layout, const VolumeLayout& base_layout,
-              std::span<const BrickName> chosen, const BrickCache& cache)
+              std::span<const BrickName> chosen, const FindBrick& find)
       : base_(base),
         layout_(layout),
         names_(chosen.begin(), chosen.end()),
-        lowest_(lowest_keys(layout, chosen, cache)),
+        lowest_(lowest_keys(layout, chosen, find)),
         base_extent_(base_layout.dimensions),
         voxels_(voxels_of_vectors(base, base_layout)) {
     for (const BrickName& name : chosen)
-      if (const Brick* const brick = cache.find(name); brick && brick->samples) bricks_.push_back(brick);
+      if (const Brick* const brick = find(name); brick && brick->samples) bricks_.push_back(brick);
     find_factors();
   }
 
@@ -114,9 +114,9 @@ class MergedLists {
 }  // namespace
 
 Volume merge_bricks(const Volume& base, const BrickLayout& layout, std::span<const VolumeLayout> levels,
-                    std::span<const BrickName> chosen, const BrickCache& cache) {
+                    std::span<const BrickName> chosen, const FindBrick& find) {
   const VolumeLayout& base_layout = levels[static_cast<std::size_t>(layout.base())];
-  const MergedLists lists(base, layout, base_layout, chosen, cache);
+  const MergedLists lists(base, layout, base_layout, chosen, find);
   std::vector<std::uint64_t> starts(kLengthKeys);
   const auto count = [&](float length) { ++starts[length_key(length)]; };
   lists.visit([&](std::size_t, float length) { count(length); },

@@ -1,4 +1,5 @@
 #include "qnv/sampling/volume/volume_slices.h"
+#include "tests/app/formats/box_checks.h"
 #include "tests/app/formats/datasets/dataset_helpers.h"
 
 using namespace gs;
@@ -256,4 +257,31 @@ with h5py.File('a.h5', 'w') as f:
     CHECK(slice[1000] == static_cast<float>(z));
     CHECK(budget->used(Resource::volumes) <= budget->limit(Resource::volumes));
   }
+}
+
+TEST_CASE("reads boxes of voxels from contiguous and chunked datasets of HDF5") {
+  const ScratchFolder folder;
+  if (!run_python(folder, std::string(kBallScript) + R"(
+with h5py.File('a.h5', 'w') as f:
+    f['plain'] = ball
+    f.create_dataset('chunks', data=ball, chunks=(7, 8, 9), compression='gzip')
+    f.create_dataset('thin', data=(ball * 9).astype('i8'), chunks=(1, 30, 40))
+    f.create_dataset('parts', data=np.stack([ball, 2 * ball, 3 * ball], axis=-1), chunks=(4, 8, 16, 3))
+    valid = f.create_dataset('limits', data=ball, chunks=(5, 6, 7))
+    valid.attrs['valid_min'] = np.float32(10)
+)"))
+    return;
+  const Bytes bytes = file_bytes(folder.path("a.h5"));
+  for (const char* const name : {"plain", "chunks", "thin", "parts", "limits"}) {
+    INFO(name);
+    const qnv::VolumeSource volume = DatasetSample(bytes, "a.h5", dataset_choice(name)).opened();
+    check_boxes(volume);
+    for (const qnv::VolumeSource& component : volume.components) check_boxes(component);
+  }
+  const auto chunk_of = [&](const char* name) {
+    return DatasetSample(bytes, "a.h5", dataset_choice(name)).opened().chunk;
+  };
+  CHECK(chunk_of("plain") == std::array<std::uint32_t, 3>{});
+  CHECK(chunk_of("chunks") == std::array<std::uint32_t, 3>{9, 8, 7});
+  CHECK(chunk_of("parts") == std::array<std::uint32_t, 3>{16, 8, 4});
 }

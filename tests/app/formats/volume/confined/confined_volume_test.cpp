@@ -4,6 +4,7 @@
 #include "app/confined/decoder_pool.h"
 #include "app/formats/volume/confined/remote_volume.h"
 #include "app/formats/volume/confined/volume_transfer.h"
+#include "tests/app/formats/box_checks.h"
 #include "tests/app/program.h"
 #include "tests/app/volume_files.h"
 
@@ -58,6 +59,10 @@ void check_equal_slices(const qnv::VolumeSource& here, const qnv::VolumeSource& 
   for (std::size_t i = 0; i < ours.size(); ++i)
     for (std::uint32_t z = 0; z < ours[i]->layout.dimensions[2]; ++z)
       REQUIRE(slice_of(*ours[i], z) == slice_of(*theirs[i], z));
+  for (std::size_t i = 0; i < ours.size(); ++i) {
+    CHECK((ours[i]->read_box != nullptr) == (theirs[i]->read_box != nullptr));
+    if (theirs[i]->read_box) test::check_boxes(*theirs[i]);
+  }
 }
 
 /// Opens a file here and in a child. Both must give the same volume or the same error.

@@ -1,0 +1,97 @@
+#pragma once
+
+#include "qnv/base/geometry.h"
+#include "qnv/codecs/shared/volume_detail.h"
+#include "qnv/codecs/values/arrays/array_bricks.h"
+#include "qnv/codecs/values/arrays/array_levels.h"
+#include "qnv/codecs/values/arrays/array_overview.h"
+#include "qnv/codecs/values/bricks/brick_decoder.h"
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <future>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace gs::qnv {
+
+/// Volume in a file that is larger than memory, or takes long to read. An overview is read as a whole, and bricks of
+/// finer levels where views need them. In a window, another thread reads them, the most wanted ones first; when a view
+/// changes, it reads nothing more for the view before. Any thread. Safe for untrusted values.
+class ArrayVolume final : public VolumeDetail {
+ public:
+  static constexpr std::chrono::milliseconds kPatience{20'000};
+  /// `source` must be of suits(). Reads nothing yet. A cut() that waits for its bricks ends after `patience`, with those
+  /// that were read.
+  ArrayVolume(VolumeSource source, const BrickLimits& limits, std::chrono::milliseconds patience = kPatience);
+  ~ArrayVolume() override;
+
+  /// Reports whether a volume can be shown in bricks: it has no labels, colours and few voxels.
+  [[nodiscard]] static bool suits(const VolumeSource& source, std::size_t most_vectors);
+
+  /// Reads the overview until it is complete, or for `patience`, or until `stop` returns true. Returns false if it has no
+  /// values. One thread at a time.
+  bool read_overview(std::chrono::milliseconds patience, const std::function<bool()>& stop);
+  /// Takes former kept_overview(), with which the overview is complete; read_overview() shows it. Returns false if it does not fit.
+  bool restore_overview(std::vector<float> samples);
+  [[nodiscard]] bool has_overview() const;
+  /// Reports whether all parts of it could be read, too.
+  [[nodiscard]] bool has_whole_overview() const;
+  /// Returns the samples of the overview, for another ArrayVolume. It must be complete.
+  [[nodiscard]] const std::vector<float>& kept_overview() const { return overview_.kept(); }
+  /// Returns the share of the overview that was read, 0 to 1.
+  [[nodiscard]] double progress() const;
+
+  [[nodiscard]] std::shared_ptr<const Volume> cut(const LodView& view, bool& pending) override;
+  [[nodiscard]] std::shared_ptr<const Volume> latest() const override;
+  [[nodiscard]] std::uint64_t revision() const override;
+  /// Returns the volume of the overview as far as it was read, or null.
+  [[nodiscard]] std::shared_ptr<const Volume> overview() const;
+  [[nodiscard]] BrickStatistics statistics() const;
+  /// Returns a message about parts that could not be read; empty if there are none.
+  [[nodiscard]] std::string trouble() const;
+
+ private:
+  /// Overview as it was at some time, with its vectors.
+  struct Base {
+    std::shared_ptr<const std::vector<float>> samples;
+    std::shared_ptr<const Volume> volume;
+    values::VectorShares shares;
+    values::KnownLevel known;
+    std::uint64_t version = 0;
+  };
+  bool show_overview();
+  void work(bool beside);
+  void publish(const Base& base, const std::vector<LodView>& views);
+  [[nodiscard]] std::shared_ptr<const Volume> merged(const Base& base, std::span<const values::BrickName> ready,
+                                                     bool with_values) const;
+
+  const BrickLimits limits_;
+  const std::chrono::milliseconds patience_;
+  const values::ArrayLevels levels_;
+  const values::BrickLayout layout_;
+  values::ArrayOverview overview_;  // used by one thread at a time
+  values::ArrayBricks bricks_;      // used by one call of work() at a time
+  static constexpr std::size_t kMostTogether = 8;
+  std::size_t together_ = 1;  // bricks to read with one request; of work()
+
+  mutable std::mutex mutex_;  // guards all members below
+  std::shared_ptr<const Base> base_;
+  std::vector<LodView> views_;  // one per viewport, the latest last
+  bool working_ = false;
+  std::shared_ptr<const Volume> shown_;
+  BrickStatistics statistics_;
+  std::uint64_t revision_ = 0;
+  std::size_t failures_ = 0;
+  std::future<void> running_;
+  std::atomic<bool> stale_{false};  // the views have changed since the bricks were chosen
+  std::atomic<bool> stop_{false};
+};
+
+}  // namespace gs::qnv
