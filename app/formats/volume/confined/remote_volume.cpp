@@ -96,12 +96,12 @@ std::variant<std::vector<std::byte>, std::string> RemoteVolume::start() {
   return std::move(std::get<std::vector<std::byte>>(bytes));
 }
 
-DatasetList RemoteVolume::list() {
+ListedDatasets RemoteVolume::list() {
   const std::lock_guard lock(mutex_);
   auto started = start();
   if (auto* const error = std::get_if<std::string>(&started)) return std::move(*error);
-  auto list = dataset_list_of(std::get<std::vector<std::byte>>(started));
-  return list ? std::move(*list) : DatasetList(kImpossible);
+  auto list = listed_datasets_of(std::get<std::vector<std::byte>>(started));
+  return list ? std::move(*list) : ListedDatasets(kImpossible);
 }
 
 std::variant<qnv::VolumeSource, std::string> RemoteVolume::open(const std::shared_ptr<RemoteVolume>& self) {

@@ -32,7 +32,7 @@ class RemoteVolume : NonCopyable {
   /// Opens the volume in a child. Returns its sources, which `self` owns; or a message without the file name.
   [[nodiscard]] static std::variant<qnv::VolumeSource, std::string> open(const std::shared_ptr<RemoteVolume>& self);
   /// Lists the datasets of the file in a child, for a request that `lists`.
-  [[nodiscard]] DatasetList list();
+  [[nodiscard]] ListedDatasets list();
   /// Reads a slice of a source. Returns false on failure.
   [[nodiscard]] bool read(std::size_t source, std::uint32_t slice, std::span<std::byte> to);
   /// Reads the voxels of a box of a source. Returns false on failure.
