@@ -64,8 +64,9 @@ bool run_control_messages(std::span<const std::byte> bytes) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     const std::string_view line = text.substr(0, end);
     text.remove_prefix(std::min(end + 1, text.size()));
-    // nlohmann::json also accepts a byte order mark, and lists of any depth.
-    if (line.size() <= 64 && !line.starts_with('\xef') && nlohmann::json::accept(line)) require(!check_json(line));
+    // nlohmann::json also accepts a byte order mark and lists of any depth, and it ends at a null character.
+    const bool unusual = line.starts_with('\xef') || line.find('\0') != std::string_view::npos;
+    if (line.size() <= 64 && !unusual && nlohmann::json::accept(line)) require(!check_json(line));
     lines.news.push_back({1, line == "left", std::string(line)});
     now += 0.1;
     while (!lines.news.empty()) (void)session.step(now, input);
