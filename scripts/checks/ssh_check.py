@@ -198,6 +198,12 @@ def check_streams(site):
     check("a picture", os.path.exists(site.folder + "/picture.png"), errors)
     status, out, errors = site.run("print", site.url(data + "/sub/ball.wrl"))
     check("print of an ssh: URL", status == 0, errors)
+    status, out, errors = site.run("info", "--json", site.url(data + "/mesh.qnv"))
+    check("info of an ssh: URL", status == 0 and json.loads(out).get("bytes") == os.path.getsize(data + "/mesh.qnv"), errors)
+    status, out, errors = site.run("export", site.url(data + "/mesh.qnv"), site.folder + "/mesh.ply")
+    check("export of an ssh: URL", status == 0 and os.path.getsize(site.folder + "/mesh.ply") > 1000, errors)
+    status, out, errors = site.run("encode", site.url(data + "/mesh.stl"), site.folder + "/mesh-here.qnv")
+    check("encode of an ssh: URL", status == 0 and os.path.getsize(site.folder + "/mesh-here.qnv") > 1000, errors)
     status, out, errors = site.run("check", "--remote-command", "env A='b c' ghostspace", site.url(data + "/world.wrl"))
     check("--remote-command with another program", "env" not in errors, errors)
 
