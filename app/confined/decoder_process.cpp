@@ -96,7 +96,10 @@ std::variant<DecodeAnswer, render::ImageError> DecoderProcess::ask(const DecodeR
 }
 
 bool DecoderProcess::begin(const DecodeRequest& request, std::size_t result_bytes) {
-  return good() && result_.grow(result_bytes) && send(std::as_bytes(std::span(&request, 1)));
+  if (!good() || !result_.grow(result_bytes)) return false;
+  if (send(std::as_bytes(std::span(&request, 1)))) return true;
+  (void)failure(Wait::ended);
+  return false;
 }
 
 bool DecoderProcess::has_answer() const {

@@ -197,7 +197,10 @@ RemoteVolume::Slot* RemoteVolume::request(std::size_t source, std::uint32_t firs
   request.first = first;
   request.count = count;
   request.offset = at * slot_bytes_;
-  if (!process_->begin(request, (at + 1) * slot_bytes_)) return nullptr;
+  if (!process_->begin(request, (at + 1) * slot_bytes_)) {
+    slot.count = 0;  // the memory holds no slices of it
+    return nullptr;
+  }
   pending_ = at;
   return &slot;
 }
