@@ -19,8 +19,8 @@ namespace gs::qnv {
 /// and keep the order of the stream: each layer of records and of voxels spreads over the whole object, and the
 /// segments of a progressive mesh need their predecessors. Without views, all codecs keep it. For values of a volume,
 /// chunks that are finer than the pixels of all views also come last; short streams keep their order. Of time series,
-/// the chunks that the shown steps need come first, then those of the next steps. For a picture of one step, only its
-/// chunks and those of the earlier steps in its chain are wanted, for every view. Any thread.
+/// the chunks that the shown steps need come first, then those of the next steps. A picture of one step
+/// requests only the chunks of that step and of earlier steps in its chain. Any thread.
 class DirectoryRequests final : public ChunkRequests {
  public:
   /// `only_step` is the step of a time series to request without the others; nullopt means all.

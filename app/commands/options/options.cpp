@@ -302,9 +302,9 @@ constexpr OptionRow kOtherOptions[] = {
     {"--offline", "", "", "disable the network", "open animate check print info encode export trace ",
      flag<&LoadOptions::offline>},
     {"--follow", "", "",
-     "read files again when a program writes to them, and show the newest step: a growing file, new files of a series, "
+     "reload files when a program writes to them, and show the newest step: a growing file, new files of a series, "
      "a "
-     "Zarr array that fills; also of http:, https: and ssh: URLs",
+     "growing Zarr array; also for http:, https: and ssh: URLs",
      "open ", flag<&LoadOptions::follow>},
     {"--remote-command", "COMMAND", "ghostspace",
      "program for ssh: URLs, as for a shell on the remote machine; it may begin with another program: \"srun -N1 "

@@ -315,8 +315,8 @@ constexpr OptionRow kPictureOptions[] = {
     {"--surface-map", "grey|viridis|cividis|inferno|magma|turbo|coolwarm", "viridis",
      "colour map of data on surfaces, arrows and streamlines", "open animate ", set_surface_map},
     {"--surface-range", "whole|2-98%|LOW,HIGH", "whole",
-     "values of the first and last colour of data on surfaces: all values, without the lowest and highest 2 %, or two "
-     "values",
+     "colour range of data on surfaces: all values, all but the lowest and highest 2 %, or the values from LOW to "
+     "HIGH",
      "open animate ", set_surface_range},
     {"--globe", "yes|no|auto", "auto",
      "draw longitudes and latitudes as a globe instead of a plane; auto does so for meshes of the whole globe",

@@ -19,7 +19,7 @@ class TransferWriter;
 /// Form in which a dataset is shown.
 enum class DatasetForm : std::uint8_t { nothing, volume, mesh };
 
-/// Dataset of a file, as lists of users show it.
+/// Dataset of a file, as shown in lists.
 struct DatasetEntry {
   std::string path;                  // "/data/1/meshes/E/x"
   std::vector<std::uint64_t> shape;  // slowest axis first
@@ -31,7 +31,7 @@ struct DatasetEntry {
   double rank = 0;         // of datasets that can be shown, the highest one is the default
   double view_rank = 0;    // the same for views that read parts of large arrays; 0 means `rank`
   bool is_minor = false;   // describes other datasets: coordinates, connectivity, numbers of points
-  bool has_globe = false;  // a volume that is a mesh on a globe if the user wants that
+  bool has_globe = false;  // a volume that --globe yes turns into a mesh
 
   /// Returns the form for the choice of a user.
   [[nodiscard]] DatasetForm form_for(const VoxelComponent& choice) const {
@@ -39,7 +39,7 @@ struct DatasetEntry {
   }
 };
 
-/// Datasets of an open file, and the choices that the one shown has.
+/// Datasets of an open file, and the choices within the shown dataset.
 struct DatasetList {
   std::vector<DatasetEntry> entries;
   std::string shown;                           // path of the dataset that was read; empty if none was
@@ -50,7 +50,7 @@ struct DatasetList {
   std::pair<double, double> range{0, 0};       // minimum and maximum of the values of a surface
 };
 
-/// Returns true if the name of an array tells that programs number points and cells with it, so that it is no result.
+/// Returns true if an array, by its name, only numbers points or cells and holds no result.
 [[nodiscard]] bool is_bookkeeping(std::string_view name);
 
 /// Returns the entry that a user chose by its path or the last part of it, or the default without a choice. Returns a

@@ -22,7 +22,7 @@ struct StreamlineOptions {
   double step = 0.5;                 // in distances of stored vectors
 };
 /// Follows the vectors forwards and backwards from seeds on an even grid (Runge-Kutta, 4th order). Skips seeds near
-/// earlier lines. A line ends at the border, at missing values, where vectors vanish, or when it has turned back.
+/// earlier lines. A line ends at the border, at missing or zero vectors, or when it turns back.
 [[nodiscard]] std::vector<Streamline> streamlines_of(const VectorField& field, const StreamlineOptions& options = {});
 
 /// Makes a mesh of arrows on a thinned grid, or of streamlines as tubes, for VoxelComponent::flow of the builder's

@@ -92,7 +92,7 @@ class StreamlineTracer {
       line.points.push_back(field_.position(place));
       line.vectors.push_back(*vector);
       const std::size_t cell = cell_of(place);
-      // A line that comes back to its own cells circles.
+      // A line that returns to its own cells is circling.
       if (own.empty() || own.back() != cell) {
         if (std::ranges::count(own, cell) >= 2) return;
         own.push_back(cell);

@@ -17,7 +17,7 @@
 
 namespace gs::app {
 
-/// Vectors of a volume in memory. Of a large volume, every second, third, ... voxel along each axis.
+/// Vectors of a volume in memory. A large volume is thinned to every second, third, ... voxel along each axis.
 class VectorField {
  public:
   static constexpr std::uint64_t kMaxVectors = std::uint64_t{1} << 22;
@@ -38,11 +38,11 @@ class VectorField {
   [[nodiscard]] glm::dvec3 position(const glm::dvec3& place) const { return origin_ + axes_ * place; }
   /// Interpolates the vector at a place, in units of stored vectors. Returns nullopt outside and near missing values.
   [[nodiscard]] std::optional<glm::dvec3> interpolated(const glm::dvec3& place) const;
-  /// Converts a vector of space to steps between stored vectors.
+  /// Converts a vector in the space of the volume to units of stored vectors.
   [[nodiscard]] glm::dvec3 in_steps(const glm::dvec3& vector) const { return inverse_ * vector; }
   /// Returns the smallest distance of stored vectors along an axis with several.
   [[nodiscard]] double spacing() const;
-  /// Returns the length that this part of all vectors, 0 to 1, does not exceed.
+  /// Returns the approximate quantile `part`, 0 to 1, of the lengths of all vectors.
   [[nodiscard]] double length_at(double part) const;
 
  private:

@@ -192,7 +192,7 @@ std::string PcdCloud::read_text(std::span<const std::byte> bytes, const WorldBud
 
 std::string PcdCloud::unpack(std::span<const std::byte> bytes, const WorldBudget& budget) {
   constexpr std::size_t kSizes = 8;
-  constexpr std::uint64_t kMostExpansion = 132;  // two bytes of LZF give at most 264
+  constexpr std::uint64_t kMostExpansion = 132;  // upper bound: LZF expands three bytes to at most 264
   if (bytes.size() < kSizes) return "the compressed points are truncated";
   std::array<std::uint32_t, 2> sizes{};
   std::memcpy(sizes.data(), bytes.data(), kSizes);

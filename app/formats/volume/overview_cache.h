@@ -20,7 +20,7 @@ class OverviewCache {
   explicit OverviewCache(std::string folder, std::uint64_t most_bytes = std::uint64_t{512} << 20)
       : folder_(std::move(folder)), most_bytes_(most_bytes) {}
 
-  /// Returns the samples that keep() got with this key; nullopt if there are none.
+  /// Returns the samples that keep() stored under this key; nullopt if there are none.
   [[nodiscard]] std::optional<std::vector<float>> find(const std::string& key) const;
   /// Writes samples. Does nothing if that fails, or if they take more than a quarter of the folder's limit.
   void keep(const std::string& key, std::span<const float> samples) const;

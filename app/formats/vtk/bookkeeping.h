@@ -12,8 +12,8 @@ namespace gs::app {
 
 /// Flags of hidden points or cells, as vtkGhostType has them. An empty list hides nothing.
 using GhostFlags = std::vector<std::uint8_t>;
-/// Names of the array with these flags: the current one, and that of older files, in which each number above 0 means a
-/// copy of a cell of another piece.
+/// Names of the array with these flags in current and older files. In older files, each number above 0 marks a copy of
+/// a cell of another piece.
 inline constexpr std::string_view kGhostArray = "vtkGhostType", kOldGhostArray = "vtkGhostLevels";
 
 /// Returns true for the flags of a cell that is not drawn: a copy, a cell with finer cells in its place, or a hidden

@@ -47,7 +47,7 @@ struct PolyBlock {
   PolyData data;
 };
 
-/// Returns the number of a value with several parts that a user chose, or the length of the vector.
+/// Returns the chosen component of a value with several parts, or the length of the vector.
 [[nodiscard]] double shown_number(std::span<const double> parts, const VoxelComponent& choice);
 /// Returns the end of a title: " (length)" or " (component 1)" for values of several parts.
 [[nodiscard]] std::string part_text(std::size_t parts, const VoxelComponent& choice);

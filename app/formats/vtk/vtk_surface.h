@@ -24,8 +24,8 @@ struct VtkShownArray {
 
 /// Reader of the surface of a block, which one or several VTK XML files hold: vertices, lines, polygons and strips of
 /// PolyData, visible faces of the cells of an UnstructuredGrid (grid_cells.h), and outer faces of structured grids.
-/// Reports problems; pieces without an array are grey there. Bytes in threes and fours are colours. Vectors count by
-/// length, or by the component that the user chose. Hidden cells are left out. Functions may throw OutOfBudget.
+/// Reports problems; pieces without an array are grey there. Triples and quadruples of bytes are colours. Vectors are
+/// shown by length, or by the chosen component. Omits hidden cells. Functions may throw OutOfBudget.
 class VtkSurfaceReader {
  public:
   /// `builder` must outlive this object.

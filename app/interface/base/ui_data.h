@@ -12,7 +12,7 @@
 
 namespace gs::app {
 
-/// Datasets of the file in the active viewport, and what is shown of them.
+/// Datasets of the file in the active viewport, and the current choice.
 struct UiData {
   std::shared_ptr<const DatasetList> list;  // null if no file is shown; without entries for files of one dataset
   VoxelComponent choice;                    // of the user; the datasets of `choice.found` are not used
@@ -31,7 +31,7 @@ struct UiDataActions {
   std::optional<bool> follow, newest;
 };
 
-/// Returns a choice of another dataset of the same file. Keeps the step and the colour map.
+/// Returns `choice` with another dataset of the same file. Keeps the step and the colour map.
 [[nodiscard]] VoxelComponent with_dataset(const VoxelComponent& choice, const std::string& path);
 
 }  // namespace gs::app

@@ -105,7 +105,7 @@ void DataPanel::tree(const UiData& data, UiDataActions& actions) {
   }
   if (has_minor) {
     ImGui::Checkbox("All arrays", &all_);
-    frame_->tooltips.show("Lists coordinates and other arrays that describe datasets, too");
+    frame_->tooltips.show("Also lists coordinates and other arrays that describe datasets");
   }
   std::vector<const DatasetEntry*> rows;
   for (const DatasetEntry& entry : entries)
@@ -161,7 +161,7 @@ void DataPanel::step_rows(const UiData& data, VoxelComponent& choice, UiDataActi
     data_label("", frame_->scale);
     bool newest = data.newest;
     if (ImGui::Checkbox("Newest step", &newest)) actions.newest = newest;
-    frame_->tooltips.show("Shows each new step when it is written");
+    frame_->tooltips.show("Shows each new step as soon as it is written");
   }
   if (!wished) return;
   choice.step = qnv::ShownStep{static_cast<std::uint32_t>(*wished), {}};
@@ -233,8 +233,8 @@ void DataPanel::color_rows(const UiData& data, VoxelComponent& choice) {
       if (range == Range::typed) colors.low = low, colors.high = high;
     }
     frame_->tooltips.show(range == Range::whole      ? "All values"
-                          : range == Range::contrast ? "Without the lowest and the highest 2 % of the values"
-                                                     : "From one value to another");
+                          : range == Range::contrast ? "Excludes the lowest and highest 2 % of the values"
+                                                     : "Uses the two values below");
   }
   if (colors.range == Range::typed) {
     const std::array<double, 2> now{colors.low, colors.high};

@@ -10,7 +10,7 @@
 
 namespace gs::app {
 
-/// Panel of the datasets of a file: which one is shown, its step, channel and component, the colours of surfaces, and
+/// Panel of the datasets of a file: the shown dataset, its step, channel and component, the colours of surfaces, and
 /// other data beside or over it. Requests changes in UiActions::data.
 class DataPanel final : public Panel {
  public:

@@ -65,9 +65,9 @@ class GeometryHandler final : public ResourceHandler {
   void read_whole(std::span<const std::byte> bytes, const std::string& path);
   /// Opens a volume and shows its coarsest version.
   void read_volume(const ContentType& type, const GeometryFile& file);
-  /// Shows the vectors of a volume as a mesh. Returns false if that is not wanted, or if it fails.
+  /// Shows the vectors of a volume as a mesh. Returns false if no mesh was requested, or on failure.
   bool show_flow(const qnv::VolumeSource& source, const VoxelComponent& choice);
-  /// Shows a volume of which views read bricks. Returns false if it is shown as a whole.
+  /// Shows a volume in bricks that views read. Returns false if it is shown as a whole.
   bool start_array(qnv::VolumeSource& source);
   [[nodiscard]] OverviewCache overviews() const;
   /// Reads more of the overview of such a volume and shows it.

@@ -33,8 +33,8 @@ class DataChoices {
   void show_file_over(std::size_t file);
   /// Removes content over the active viewport.
   void remove_over(std::size_t index);
-  /// Notes the data that were read. The list of a single step or component gets the others from the choice before,
-  /// because not all readers know them.
+  /// Notes the data that were read. If a reader lists a single step or component, keeps the list of the previous
+  /// choice, because not all readers know the others.
   void note_opened(const std::string& path, Document& document);
 
  private:

@@ -111,7 +111,7 @@ bool DocumentReaders::take_document(const Reader& from, WorldReader::News& news)
     if (peers_.follower.note_failed(path)) {
       (void)viewports_.panes().documents().fail(from.reading.number);
       if (!viewports_.panes().documents().document(path))
-        viewports_.loading().note_failure(path, "it cannot be read yet; it is read again while it is followed");
+        viewports_.loading().note_failure(path, "it cannot be read yet; it is retried while it is followed");
       return true;
     }
     show_failed(from.reading.number, path, news.document->world.diagnostics);

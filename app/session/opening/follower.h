@@ -16,12 +16,12 @@
 
 namespace gs::app {
 
-/// Text that differs for different versions of a file, a folder, a series of numbered files, or a URL. Empty if it
-/// cannot be found out. Blocks while disks and servers are asked, until `stop` is true. Any thread.
+/// Returns a text that identifies the version of a file, a folder, a series of numbered files, or a URL. Returns an
+/// empty text on failure. Blocks on disks and servers until `stop` is true. Any thread.
 [[nodiscard]] std::string version_of(const std::string& path, const LoadOptions& load, const std::atomic<bool>& stop);
 
-/// Files that grow while the session shows them, such as the output of a running simulation. Asks for their versions on
-/// other threads, more rarely while nothing changes, and reads changed ones again. One thread; none in simulated time.
+/// Files that grow while the session shows them, such as the output of a running simulation. Polls their versions on
+/// other threads, more rarely while nothing changes, and reloads changed files. One thread; none in simulated time.
 class Follower : NonCopyable {
  public:
   static constexpr double kLeastWait = 0.5, kMostWait = 10, kLeastWaitForServers = 2, kMostWaitForServers = 30;
@@ -31,7 +31,7 @@ class Follower : NonCopyable {
            std::function<void()> wake);
   ~Follower();
 
-  /// Follows a file, or ends that.
+  /// Starts or stops following a file.
   void follow(const std::string& path, bool on);
   [[nodiscard]] bool follows(const std::string& path) const;
   /// Sets whether the newest step is shown. Panels call it when the user chooses another step.

@@ -52,8 +52,8 @@ struct VolumeSource {
   /// Reads the stored bytes of the voxels of a box, x first. Returns false on failure, or if the box leaves the volume.
   /// Null if only slices can be read. The rules of `read` hold.
   std::function<bool(const VoxelBox& box, std::span<std::byte> voxels)> read_box{};
-  /// Edges of the boxes of voxels that are stored together, so that reading one voxel takes the work for all of them. 0
-  /// if each row of voxels can be read alone.
+  /// Edges of the chunks in voxels: reading one voxel costs as much as reading its chunk. 0 means that each row of
+  /// voxels can be read alone.
   std::array<std::uint32_t, 3> chunk{};
 };
 

@@ -63,7 +63,7 @@ TEST_CASE("reads PCD as text, with intensities and the pose of the sensor") {
   CHECK(color_key_of(*result.scene)->high == 9);
 }
 
-TEST_CASE("reads compressed PCD, in which the numbers of a field come together") {
+TEST_CASE("reads compressed PCD, which stores each field contiguously") {
   Bytes columns;
   for (const float x : {1.0f, 2.0f, 3.0f, 4.0f}) put(columns, x);
   for (int i = 0; i < 8; ++i) put(columns, 7.0f);
@@ -101,7 +101,7 @@ TEST_CASE("turns clouds of cameras upright, and reads normals as vectors") {
   CHECK(std::get<qnv::Splats>(vectors).normals[0] == glm::vec3(0, 0, 1));
 }
 
-TEST_CASE("a PCD file of others has the points that its header states") {
+TEST_CASE("reads all points of a PCD file of another program") {
   const std::string folder = shared_data("meshes");
   if (folder.empty()) return;
   const Imported cloud = imported("PCD", file_bytes(folder + "points/region_growing_rgb_tutorial.pcd"));

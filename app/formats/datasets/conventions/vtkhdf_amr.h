@@ -9,10 +9,10 @@
 // OverlappingAMR of VTKHDF: https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/index.html
 namespace gs::app {
 
-/// Lists the arrays of the file. Those of the cells of level 0 stand for all levels.
+/// Lists the arrays of the file. A cell array of level 0 represents all levels.
 [[nodiscard]] std::vector<DatasetEntry> list_vtkhdf_amr(DatasetTree& tree);
-/// Opens an array of cells as a volume with the voxels of the finest level that is not too large. Where levels overlap,
-/// the finest one counts; of levels finer than the voxels, the cells at their centres. Returns a message on failure.
+/// Opens an array of cells as a volume with the voxels of the finest level that is not too large. The finest
+/// level wins where levels overlap. Finer levels are sampled at the voxel centres. Returns a message on failure.
 [[nodiscard]] VolumeResult vtkhdf_amr_volume(DatasetTree& tree, const DatasetEntry& entry,
                                              const VoxelComponent& choice);
 

@@ -229,7 +229,7 @@ class Hdf5File final : public ArrayFile {
       constexpr double kMostSlots = 1 << 20;
       const auto slots = static_cast<std::size_t>(std::min(chunks * 8 + 521, kMostSlots)) | 1;
       const auto cache = static_cast<std::size_t>(std::min(bytes, static_cast<double>(cache_bytes_)));
-      // With a preemption of 1, the library would keep all chunks of which only parts were read.
+      // With a preemption of 1, the library would evict partly read chunks last.
       constexpr double kPreemption = 0;
       (void)H5Pset_chunk_cache(access.get(), slots, cache, kPreemption);
     }

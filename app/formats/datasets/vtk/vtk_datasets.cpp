@@ -316,7 +316,7 @@ class VtkDataFile final : public DatasetFile {
           array.components == 3 && (array.name == point_normals || lower_case(array.name).find("normals") != kNowhere);
       entry.is_minor = is_bookkeeping(array.name) || normals;
       const bool whole = type && *type != StoredType::f32 && *type != StoredType::f64;
-      // Results are numbers of the points rather than of cells, and no whole numbers.
+      // Prefer arrays of points to arrays of cells, and floats to integers: those are usually results.
       entry.rank =
           entry.is_minor ? 2 : (of_points ? 20 : 10) + (active ? 5 : (array.components == 1 ? 2 : 0) + (whole ? 0 : 1));
       entries_.push_back(std::move(entry));

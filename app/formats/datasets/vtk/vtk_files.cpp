@@ -23,7 +23,7 @@ VtkOpenedResult VtkFiles::open(const std::string& path) {
     if (auto* const problem = std::get_if<std::string>(&read)) return std::move(*problem);
     opened->header = std::get<VtkXmlHeader>(std::move(read));
   } else if (opened->kind == VtkFileClass::other) {
-    return std::string("it is no VTK file");
+    return std::string("it is not a VTK file");
   } else if (opened->kind != VtkFileClass::legacy) {
     auto read = read_vtk_index(opened->bytes.bytes);
     if (auto* const problem = std::get_if<std::string>(&read)) return std::move(*problem);

@@ -22,7 +22,7 @@ struct VtkOpened {
 };
 using VtkOpenedResult = std::variant<std::shared_ptr<const VtkOpened>, std::string>;
 
-/// Files that a file of VTK names, which are read on demand. Keeps those that were used last. One thread at a time.
+/// Files referenced by a VTK file. Reads them on demand and keeps the last ones opened. One thread at a time.
 class VtkFiles {
  public:
   explicit VtkFiles(VolumeFile file) : file_(std::move(file)) {}
@@ -33,12 +33,12 @@ class VtkFiles {
   /// Returns the path of a member of a file.
   [[nodiscard]] static std::string path_of(const VtkOpened& file, const VtkMember& member);
 
-  /// Notes a file that is drawn without.
+  /// Notes a file that is left out.
   void note_missing(const std::string& path, const std::string& problem);
   /// Returns a message about such files, the first one by name; empty if there are none.
   [[nodiscard]] std::string missing() const;
 
-  /// From now on, uses the functions that also work while slices are read.
+  /// Switches to the read functions that also work while slices are read.
   void read_lazily() { lazy_ = true; }
   [[nodiscard]] const VolumeFile& first() const { return file_; }
 

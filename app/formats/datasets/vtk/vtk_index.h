@@ -10,7 +10,7 @@
 #include <variant>
 #include <vector>
 
-// Files of VTK and ParaView that name other files: pieces of parallel programs, blocks, time steps.
+// VTK and ParaView files that refer to other files: pieces of parallel programs, blocks, time steps.
 namespace gs::app {
 
 /// Class of a file by its first bytes.

@@ -15,7 +15,7 @@
 
 namespace gs::qnv::values {
 
-/// Level of which all samples are in memory; null if there is none.
+/// Level with all samples in memory. Null samples mean that there is none.
 struct KnownLevel {
   int level = 0;
   std::shared_ptr<const std::vector<float>> samples;
@@ -30,16 +30,16 @@ class ArrayBricks : NonCopyable {
   /// Both must stay valid.
   ArrayBricks(const ArrayLevels& levels, const BrickLayout& layout) : levels_(levels), layout_(layout) {}
 
-  /// Sets the bricks that views need, most wanted first. Drops others while all need more than `most_bytes`, the least
-  /// recently needed first.
+  /// Sets the bricks that views need, most wanted first. While all bricks exceed `most_bytes`, drops the least recently
+  /// needed other bricks.
   void choose(std::vector<BrickName> chosen, const VectorShares& shares, std::size_t most_bytes);
-  /// Returns the next bricks to read: the most wanted one, with its wanted neighbours that have the same parent. Empty
-  /// if all were read, or cannot be read. Has at most `most` bricks.
+  /// Returns at most `most` bricks to read next: the most wanted one and its wanted neighbours with the same parent.
+  /// Returns an empty group if all bricks were read or have failed.
   [[nodiscard]] Group next(std::size_t most) const;
-  /// Reads bricks. Bricks that cannot be read are not tried again.
+  /// Reads bricks. Does not retry bricks that cannot be read.
   void read(const Group& group, const KnownLevel& known = {});
-  /// Returns the chosen bricks that were read, after all that contain them. Completes their margins and vectors for the
-  /// overview `base`, with the `shares` of its vectors.
+  /// Returns the chosen bricks that were read, each after the bricks that contain it. Completes their margins and
+  /// vectors for the overview `base`, with the `shares` of its vectors.
   [[nodiscard]] std::vector<BrickName> finish(std::span<const float> base, std::uint64_t base_version,
                                               const VectorShares& shares);
   /// Returns a brick that finish() returned.

@@ -24,13 +24,13 @@ class ArrayLevels : NonCopyable {
   [[nodiscard]] const Extent& extent() const { return source_.layout.dimensions; }
   /// Returns the layouts of all levels. Their numbers are float values.
   [[nodiscard]] const std::vector<VolumeLayout>& layouts() const { return layouts_; }
-  /// Returns the samples per axis that lie in one chunk of the file; at least 1. 0 on all axes means no chunks.
+  /// Returns the samples per axis in one chunk of the file, at least 1; 0 on all axes if the file has no chunks.
   [[nodiscard]] Extent chunk(int level) const;
   /// Reports whether a level comes from a coarse version of the file.
   [[nodiscard]] bool has_version(int level) const {
     return levels_[static_cast<std::size_t>(level)].from != &source_;
   }
-  /// Reports whether the samples of a level lie in all chunks of the whole volume, so that reading them decodes it all.
+  /// Reports whether every chunk of the whole volume has samples of a level, so that reading it decodes them all.
   [[nodiscard]] bool decodes_all(int level) const;
   /// Reads the values of a box of samples, x first. Returns false if the file cannot be read.
   [[nodiscard]] bool read(int level, const SampleBox& box, std::vector<float>& values) const;

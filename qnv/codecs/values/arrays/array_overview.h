@@ -10,25 +10,25 @@
 
 namespace gs::qnv::values {
 
-/// Coarse level of an array as a whole. It is read block by block. The first blocks are spread over the whole array, so
-/// that each part of them gives a picture. If that decodes all chunks of the array, the next finer level is read, too,
-/// which takes no longer. One thread at a time.
+/// Coarse level of an array as a whole. Reads it block by block. The first blocks are spread over the whole array, so
+/// that a picture is available early. If the coarse level decodes all chunks of the array, reads the next finer level
+/// instead, at no extra cost. One thread at a time.
 class ArrayOverview : NonCopyable {
  public:
   /// `levels` must stay valid.
   explicit ArrayOverview(const ArrayLevels& levels);
-  /// Sets all samples, as a former overview kept() them. Returns false if their number is wrong.
+  /// Sets all samples from kept() of a former overview. Returns false if their number is wrong.
   bool restore(std::vector<float> samples);
 
-  /// Reads blocks until all are read, or `stop` returns true. Returns false if a block could not be read; its samples
-  /// are missing then.
+  /// Reads blocks until all are read, or `stop` returns true. Returns false if a block could not be read. The
+  /// samples of that block are then missing.
   bool read(const std::function<bool()>& stop);
   [[nodiscard]] bool complete() const { return next_ == order_.size(); }
   [[nodiscard]] bool good() const { return good_; }
   /// Returns the share of the blocks that were read, 0 to 1.
   [[nodiscard]] double progress() const;
-  /// Returns the samples of the coarsest level, x first. Those of missing blocks are mixed from the means of the blocks
-  /// around.
+  /// Returns the samples of the coarsest level, x first. Samples of missing blocks are interpolated from the means of
+  /// the blocks around.
   [[nodiscard]] std::vector<float> samples() const;
   /// Returns the level that is read, and its samples. Those of missing blocks are NaN.
   [[nodiscard]] int level() const { return level_; }
@@ -36,7 +36,7 @@ class ArrayOverview : NonCopyable {
 
  private:
   [[nodiscard]] SampleBox box_of(std::uint32_t block) const;
-  /// Calls visit(sample of the coarsest level, sample that was read) for all in a box of the level that is read.
+  /// Calls visit(index in the coarsest level, index in level()) for all coarse samples in a box of level().
   template <class Visit>
   void visit_coarse(const SampleBox& box, const Visit& visit) const;
   [[nodiscard]] std::uint32_t spacing() const;

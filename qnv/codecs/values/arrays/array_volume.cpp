@@ -24,10 +24,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMostArrayViews = 16;
-// Bricks are shown after this time, and then each time that a part of those before has been added, or after a second.
+// Bricks are first shown after kFirstBricks; later only after kMoreBricks and with half as many more bricks.
 constexpr std::chrono::milliseconds kFirstBricks{150}, kMoreBricks{1000};
 constexpr std::size_t kBrickGrowth = 2;
-// Times after which fewer or more bricks are read together.
+// Reads that take longer than kLongRead shrink the next group of bricks; reads below kShortRead grow it.
 constexpr std::chrono::milliseconds kLongRead{700}, kShortRead{200};
 
 /// Returns the source of samples in memory.
@@ -103,8 +103,8 @@ float distance_of(const glm::vec3& point, const Box& box) {
   return glm::distance(point, glm::clamp(point, box.lower, box.upper));
 }
 
-/// Chooses the bricks of views. Views from outside have about equal voxels everywhere: these get no bricks of a level of
-/// which only some fit, because such bricks would be visible as patches.
+/// Chooses the bricks of views. Views from outside have about equal voxels everywhere. If only some bricks of a level
+/// fit, such views get none of them, because single bricks would be visible as patches.
 std::vector<values::BrickName> bricks_of_array(const values::BrickChoice& choice, const Box& box) {
   constexpr std::size_t kMore = 8;
   std::vector<values::BrickName> chosen = values::choose_bricks(choice);

@@ -21,27 +21,27 @@
 
 namespace gs::qnv {
 
-/// Volume in a file that is larger than memory, or takes long to read. An overview is read as a whole, and bricks of
-/// finer levels where views need them. In a window, another thread reads them, the most wanted ones first; when a view
-/// changes, it reads nothing more for the view before. Any thread. Safe for untrusted values.
+/// Volume in a file that is larger than memory, or takes long to read. Reads an overview as a whole, and bricks
+/// of finer levels where views need them. In a window, another thread reads the bricks, the most wanted ones first. It
+/// drops the remaining bricks of a view that changes. Any thread. Safe for untrusted values.
 class ArrayVolume final : public VolumeDetail {
  public:
   static constexpr std::chrono::milliseconds kPatience{20'000};
-  /// `source` must be of suits(). Reads nothing yet. A cut() that waits for its bricks ends after `patience`, with those
-  /// that were read.
+  /// `source` must satisfy suits(). Reads nothing yet. A cut() that waits for its bricks ends after `patience`, with
+  /// the bricks that were read.
   ArrayVolume(VolumeSource source, const BrickLimits& limits, std::chrono::milliseconds patience = kPatience);
   ~ArrayVolume() override;
 
-  /// Reports whether a volume can be shown in bricks: it has no labels, colours and few voxels.
+  /// Reports whether a volume can be shown in bricks: it has no labels or colours, and more voxels than an overview.
   [[nodiscard]] static bool suits(const VolumeSource& source, std::size_t most_vectors);
 
   /// Reads the overview until it is complete, or for `patience`, or until `stop` returns true. Returns false if it has no
   /// values. One thread at a time.
   bool read_overview(std::chrono::milliseconds patience, const std::function<bool()>& stop);
-  /// Takes former kept_overview(), with which the overview is complete; read_overview() shows it. Returns false if it does not fit.
+  /// Restores the overview from a former kept_overview(); read_overview() shows it. Returns false on a wrong size.
   bool restore_overview(std::vector<float> samples);
   [[nodiscard]] bool has_overview() const;
-  /// Reports whether all parts of it could be read, too.
+  /// Reports whether the overview is complete and no part of it failed to load.
   [[nodiscard]] bool has_whole_overview() const;
   /// Returns the samples of the overview, for another ArrayVolume. It must be complete.
   [[nodiscard]] const std::vector<float>& kept_overview() const { return overview_.kept(); }
@@ -58,7 +58,7 @@ class ArrayVolume final : public VolumeDetail {
   [[nodiscard]] std::string trouble() const;
 
  private:
-  /// Overview as it was at some time, with its vectors.
+  /// Snapshot of the overview, with its vectors.
   struct Base {
     std::shared_ptr<const std::vector<float>> samples;
     std::shared_ptr<const Volume> volume;

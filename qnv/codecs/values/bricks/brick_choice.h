@@ -60,7 +60,7 @@ struct BrickChoice {
 /// Chooses the bricks that the views need, most wanted first. A view needs a brick inside of it if the next coarser
 /// level is too coarse there, and if the brick has vectors or touches a slice. Bricks come first where the coarser
 /// voxels are larger on the screen. Slices count as larger, and parts without visible vectors as smaller. Bricks
-/// with a point of VolumeNeeds come first, down to the finest level. So a brick follows the one that contains it. The choice depends on nothing else.
+/// with a point of VolumeNeeds come before all others, down to the finest level. Each brick follows its parent.
 [[nodiscard]] std::vector<BrickName> choose_bricks(const BrickChoice& choice);
 
 /// Reports whether a slice goes through a box, or is at most `margin` away.

@@ -13,7 +13,7 @@ using FindBrick = std::function<const Brick*(const BrickName&)>;
 
 /// Returns the vectors of a volume with the finest bricks in place of coarser vectors. `base` are the vectors of the
 /// whole volume at the level of BrickLayout::base(). `chosen` are bricks that `find` knows, each after the one that
-/// contains it. All bricks of a level have one shortest length, such that the share of their voxels is that of the coarser
+/// contains it. All bricks of a level share one minimum length, which keeps the same share of voxels as the coarser
 /// vectors there. Coarse lengths are scaled to those of the finest level. The longest vectors come first, as in
 /// CellVectors.
 [[nodiscard]] Volume merge_bricks(const Volume& base, const BrickLayout& layout, std::span<const VolumeLayout> levels,

@@ -14,7 +14,7 @@
 namespace gs::qnv {
 
 /// Time series of volumes that are larger than memory, in a file. Each step that is shown is a BrickVolume of its own,
-/// with half of the memory of a single one. Any thread.
+/// with half the brick memory and a quarter of the coarse vectors of a single volume. Any thread.
 class BrickSeries final : public VolumeSeries, public std::enable_shared_from_this<BrickSeries> {
  public:
   /// `owner` holds the memory of the limits.

@@ -27,7 +27,7 @@ class CubeOrder {
   [[nodiscard]] std::uint64_t part(std::size_t axis, std::uint32_t place) const { return spread_[axis][place]; }
   /// Returns the place of a code. It may be outside of the level.
   [[nodiscard]] Extent place(std::uint64_t code) const;
-  /// Returns how many bits of a code come from the lowest `bits` bits of the places. They are the lowest ones.
+  /// Returns the number of low bits of a code that come from the lowest `bits` bits of the places.
   [[nodiscard]] int bits_below(int bits) const;
   [[nodiscard]] bool has(const Extent& cube) const {
     return cube[0] < cubes_[0] && cube[1] < cubes_[1] && cube[2] < cubes_[2];

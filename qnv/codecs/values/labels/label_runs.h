@@ -27,8 +27,8 @@ struct LabelRun {
 [[nodiscard]] std::vector<std::byte> pack(const LabelRun& run);
 /// Parses a payload. Returns nullopt if it is invalid. Safe for untrusted bytes.
 [[nodiscard]] std::optional<LabelRun> parse_label_run(std::span<const std::byte> payload);
-/// Takes the step out of the first code of a run of a time series. `codes` is the number of codes of the run's level.
-/// Returns the step.
+/// Returns the step of a run of a time series, and subtracts it from the first code. `codes` is the number of codes of
+/// the run's level.
 [[nodiscard]] std::uint64_t take_step(LabelRun& run, std::uint64_t codes);
 
 /// Labels of one level: indices in the palette.
@@ -56,8 +56,8 @@ class LabelCubes {
   [[nodiscard]] virtual CubeLabels cube(const Extent& cube) = 0;
 };
 
-/// Encodes a level. `count` is the number of labels in the palette. `before` is the level in the step before; with it,
-/// cubes with the same labels are kept, and runs of such cubes alone are left out. Passes the runs to `take`, in order,
+/// Encodes a level. `count` is the number of labels in the palette. `before` is the level in the previous step.
+/// Keeps cubes that equal those of `before`, and omits runs with kept cubes only. Passes the runs to `take`, in order,
 /// until it returns false.
 void encode_label_runs(LabelCubes& level_labels, const CubeOrder& order, std::uint32_t count, int level,
                        const std::function<bool(LabelRun&&)>& take, LabelCubes* before = nullptr);

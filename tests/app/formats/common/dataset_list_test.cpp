@@ -60,7 +60,7 @@ TEST_CASE("hands lists of datasets to another process") {
   CHECK(read.range == list.range);
 }
 
-TEST_CASE("rejects lists of datasets that no honest child sends") {
+TEST_CASE("rejects invalid lists of datasets from a child") {
   const std::vector<std::byte> bytes = bytes_of(sample_list());
   const std::span<const std::byte> all(bytes);
   for (std::size_t n = 0; n < all.size(); ++n) {

@@ -261,7 +261,7 @@ TEST_CASE("joins the pieces of a surface, with data of cells, without copies of 
   CHECK(mesh.color_key->high == 7);
 }
 
-TEST_CASE("arrays that number points and cells are no default of surfaces") {
+TEST_CASE("never shows arrays that number points or cells by default") {
   for (const char* const name : {"vtkOriginalPointIds", "vtkOriginalCellIds", "vtkGhostType", "GlobalNodeId",
                                  "GlobalElementId", "PedigreeNodeId", "ObjectId"})
     CHECK(is_bookkeeping(name));
@@ -338,7 +338,7 @@ TEST_CASE("reads files that a VTK file names only below its folder") {
   CHECK_THAT(sample.diagnostics.entries().back().message, Catch::Contains("3 files are missing"));
 }
 
-TEST_CASE("damaged files that name others give one message") {
+TEST_CASE("reports one message for a damaged file that names others") {
   const auto problem = [](const std::string& text) { return sample_of(text).problem(); };
   CHECK_THAT(problem(vtk_file("Collection", "<Collection/>")), Catch::Contains("names no files"));
   CHECK_THAT(problem("{\"file-series-version\":\"1.0\",\"files\":[3]}"), Catch::Contains("names no files"));
@@ -352,7 +352,7 @@ TEST_CASE("damaged files that name others give one message") {
   CHECK(!endless.diagnostics.entries().empty());
 }
 
-TEST_CASE("VTK XML files of others have the facts that VTK reads") {
+TEST_CASE("reads the same facts as VTK from VTK XML files of other programs") {
   const std::string folder = shared_data("vtkxml");
   if (folder.empty()) return;
   std::size_t compared = 0;
@@ -399,7 +399,7 @@ TEST_CASE("VTK XML files of others have the facts that VTK reads") {
   CHECK(compared >= 30);
 }
 
-TEST_CASE("a MultiBlock of others has the blocks that VTK reads") {
+TEST_CASE("reads the same blocks as VTK from a MultiBlock of another program") {
   const std::string folder = shared_data("vtkxml");
   if (folder.empty()) return;
   DatasetSample blow(file_bytes(folder + "ex-blow_5.vtm"), folder + "ex-blow_5.vtm");

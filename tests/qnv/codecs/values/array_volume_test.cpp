@@ -176,7 +176,7 @@ TEST_CASE("a near view of an array reads little of it") {
   }
 }
 
-TEST_CASE("a view that moves ends the reading for the view before") {
+TEST_CASE("stops reading for the previous view when a view moves") {
   const auto count = std::make_shared<ReadCount>();
   VolumeSource source = counted({512, 512, 512}, count, {64, 64, 64});
   const auto read = source.read_box;
@@ -259,7 +259,7 @@ TEST_CASE("bricks of an array stay within their memory") {
   }
 }
 
-TEST_CASE("a part of the overview of an array already has values everywhere") {
+TEST_CASE("fills the gaps of a partial overview of an array") {
   const auto count = std::make_shared<ReadCount>();
   const Extent chunk = GENERATE(Extent{}, Extent{16, 16, 16});
   values::ArrayLevels levels(counted(kSize, count, chunk), 2);
@@ -321,7 +321,7 @@ TEST_CASE("levels of an array use the versions of the file that have halves of i
   CHECK(thirds->voxels == 0);
 }
 
-TEST_CASE("an array that cannot be read leaves the overview") {
+TEST_CASE("keeps the overview of an array when its bricks cannot be read") {
   const auto count = std::make_shared<ReadCount>();
   VolumeSource source = counted({200, 200, 200}, count);
   const auto read = source.read_box;

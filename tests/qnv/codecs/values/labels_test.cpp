@@ -410,7 +410,7 @@ class FullStore final : public SpillStore {
   std::uint64_t most_;
 };
 
-TEST_CASE("labels: Volumes of several tiles have the same bytes with any threads and store") {
+TEST_CASE("labels: Encodes equal bytes with any number of threads and any store") {
   const VolumeSource source = organs<std::uint16_t>(oblique(150, 70, 67), VoxelType::u16, 7);
   EncodeOptions options;
   options.threads = 1;
@@ -429,7 +429,7 @@ TEST_CASE("labels: Volumes of several tiles have the same bytes with any threads
   }
 }
 
-TEST_CASE("labels: Slices have the finest received labels") {
+TEST_CASE("labels: Returns slices with the finest received labels") {
   const VolumeSource source = organs<std::uint16_t>(oblique(150, 70, 67), VoxelType::u16, 7);
   const EncodedStream stream = stream_of(source);
   const auto all = test::slices_of(stream.bytes);

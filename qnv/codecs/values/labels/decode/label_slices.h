@@ -65,11 +65,11 @@ class LabelRunIndex {
 /// Bytes of a stream at any offset. Returns false on failure. Several threads call it.
 using ReadStream = std::function<bool(std::uint64_t offset, std::span<std::byte> to)>;
 
-/// Steps of a time series from the begin of a chain to the one that is shown, or a single volume.
+/// Steps of a time series from the start of a chain to the shown step, or a single volume.
 using LabelChain = std::vector<std::shared_ptr<const LabelRunIndex>>;
 
-/// Returns the labels of a volume that may be larger than memory. Some slices at once are decoded when one is read,
-/// fastest in order. Needs at most 128 MB for them, or memory for four slices of 4 bytes per voxel. `whole` means that
+/// Returns the labels of a volume that may be larger than memory. Reading a slice decodes a slab of
+/// slices, so ascending order is fastest. A slab needs 128 MB, or four slices of 4 bytes per voxel. `whole` means that
 /// all labels were received; `in_order` is as in label_values().
 [[nodiscard]] std::shared_ptr<VolumeValues> label_slices(const ValueGrid& grid, const Description& about,
                                                          LabelChain chain, ReadStream read, bool whole,

@@ -23,10 +23,10 @@ struct LabelPyramid {
   std::vector<Levels> steps;
 };
 
-/// Reads label volumes slice by slice. In coarser levels, a label is the most frequent one of eight; of equally
-/// frequent ones, the rarest in all volumes, so that thin sheets remain. All steps must have the layout of the first
-/// one. Returns an error if a source or the store fails, if numbers have a fraction, for too many voxels or labels, or
-/// if cancelled. Needs memory for about three slices of 4 bytes per voxel, and 24 bytes for each label. `store` must
+/// Reads label volumes slice by slice. A coarse label is the most frequent of eight. Of equally frequent ones,
+/// the rarest in all volumes wins, so that thin sheets remain. All steps must have the layout of the first
+/// one. Returns an error if a source or the store fails, if a number has a fraction, on too many voxels or labels,
+/// or if cancelled. Needs memory for about three slices of 4 bytes per voxel, and 24 bytes for each label. `store` must
 /// outlive the result. Safe for untrusted values.
 [[nodiscard]] std::variant<LabelPyramid, EncodeError> read_labels(std::span<const VolumeSource> steps,
                                                                   SharedStore& store, unsigned threads,

@@ -51,7 +51,7 @@ class PyramidEncoder {
     if (!parallel_for(levels * steps, encode_one, threads_, progress_)) return {};
     for (std::size_t step = 0; step < steps; ++step)
       if (!values::count_corrected(pyramid_.steps[step], orders_, all[step], sums_, threads_, progress_)) return {};
-    // Each level of all steps before the next finer one. Within a level, the runs that correct most voxels per byte.
+    // Order the runs by level (coarse first), then by step, then by corrected voxels per byte.
     Runs runs;
     for (std::size_t level = levels; level-- > 0;)
       for (std::vector<Runs>& of_step : all) {

@@ -21,8 +21,8 @@ struct StoredLabelRun {
   std::uint8_t level = 0;
 };
 
-/// Counts for each run the voxels that get their right label, less those that are right with the coarser level. `runs`
-/// are those of each level, in the order of their codes. Adds these numbers for whole levels to `sums`, also for cubes
+/// Counts the voxels that each run corrects, less those that are right with the coarser level only. `runs`
+/// has the runs of each level, in the order of their codes. Adds the counts of whole levels to `sums`, including cubes
 /// without a run. Returns false if cancelled.
 bool count_corrected(const LabelPyramid::Levels& levels, std::span<const CubeOrder> orders,
                      std::span<std::vector<StoredLabelRun>> runs, std::span<std::int64_t> sums, unsigned threads,

@@ -73,7 +73,7 @@ class StoredLabels {
   /// Reads the labels of a piece, x first. Returns false if it cannot be read.
   bool read(const Extent& piece, std::span<std::uint32_t> to) const;
 
-  /// Replaces codes by their indices from now on. The palette must have all of them.
+  /// Sets the palette: later reads return indices instead of codes. The palette must have all codes.
   void set_palette(std::shared_ptr<const LabelPalette> palette) { palette_ = std::move(palette); }
 
  private:
@@ -110,8 +110,8 @@ class LabelTiles final : public LabelCubes {
       return labels.empty() ? label : labels[(std::size_t{z} * size[1] + y) * size[0] + x];
     }
   };
-  /// Returns a tile. It is valid up to the next call of this function or the next one. If the store fails, the tile has
-  /// other labels.
+  /// Returns a tile. It is valid until the next call of tile() or cube(). If the store fails, its labels are
+  /// unspecified.
   [[nodiscard]] const Tile& tile(const Extent& tile);
 
   [[nodiscard]] const Extent& extent() const override { return level_.extent(); }
