@@ -87,7 +87,7 @@ TEST_CASE("lists the arrays of a surface and shows another one in place, with th
   choice.index = 1;
   choice.chosen = true;
   window.session.data().choose(choice);
-  REQUIRE(window.wait_for([&] { return window.title() == "wind [1]"; }));
+  REQUIRE(window.wait_for([&] { return window.title() == "wind (component 1)"; }));
   CHECK(window.session.view()->document->world.color_key->high == Approx(4));
   choice = {};
   choice.dataset = "load";
