@@ -61,9 +61,10 @@ run_target() {
     fi
     printf '%s\n' '==== the other file'
   } | sort -u | head -3000 | sed 's/.*/"&"/' >"$dictionary"
-  # LeakSanitizer does not see the heap of the script engine, which refers to other blocks of it.
+  # LeakSanitizer does not see the heap of the script engine, which refers to other blocks of it. The library for JPEG
+  # 2000 in DICOM loses 112 bytes after some damaged pictures.
   local leaks=1
-  [[ $name != programs && $name != script_worlds && $name != control_messages ]] || leaks=0
+  [[ $name != programs && $name != script_worlds && $name != control_messages && $name != dicom ]] || leaks=0
   local begin=$SECONDS runs=0 executions=0 inputs=0 peak=0 left=$seconds
   : >"$log"
   while [ "$left" -gt 0 ] && [ "$runs" -lt 20 ]; do
