@@ -1,3 +1,4 @@
+#include "qnv/codecs/shared/steps_decoder.h"
 #include "qnv/codecs/shared/volume_series.h"
 #include "qnv/codecs/values/component_number.h"
 #include "qnv/codecs/values/decode/components_geometry.h"
@@ -178,32 +179,10 @@ class ReceivedSteps final : public VolumeSeries, public std::enable_shared_from_
   values::ComponentsGeometry geometry_;
 };
 
-/// Decoder of a time series. Its geometry is one step, which has the series.
-class SeriesDecoder final : public Decoder {
- public:
-  SeriesDecoder(const StreamHeader& header, std::size_t most_vectors)
-      : steps_(std::make_shared<ReceivedSteps>(header, most_vectors)) {}
-
-  void add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange>) override {
-    steps_->add(type, payload);
-  }
-  void leave_order() override { steps_->leave_order(); }
-  [[nodiscard]] DecodeCount count() const override { return steps_->count(); }
-  [[nodiscard]] std::size_t vectors() const override { return steps_->vectors(); }
-  [[nodiscard]] Geometry geometry(GeometryBase base) const override {
-    return steps_->geometry(std::move(base), shown_);
-  }
-  void show(const ShownComponent& shown) override { shown_ = shown; }
-
- private:
-  std::shared_ptr<ReceivedSteps> steps_;
-  ShownComponent shown_;
-};
-
 }  // namespace
 
 std::unique_ptr<Decoder> make_series_decoder(const StreamHeader& header, std::size_t most_vectors) {
-  return std::make_unique<SeriesDecoder>(header, most_vectors);
+  return std::make_unique<StepsDecoder<ReceivedSteps>>(header, most_vectors);
 }
 
 }  // namespace gs::qnv

@@ -1,4 +1,5 @@
 #include "qnv/codecs/shared/decoder.h"
+#include "qnv/codecs/shared/steps_decoder.h"
 #include "qnv/codecs/shared/volume_series.h"
 #include "qnv/codecs/values/labels/decode/label_levels.h"
 #include "qnv/codecs/values/labels/decode/label_slices.h"
@@ -29,9 +30,9 @@ class LabelSteps final : public VolumeSeries, public std::enable_shared_from_thi
         layout_(header.grid.dimensions),
         runs_(header.steps.times.size()) {}
 
-  void add(std::span<const std::byte> payload) {
+  void add(ChunkType type, std::span<const std::byte> payload) {
     const std::lock_guard lock(mutex_);
-    auto run = values::parse_label_run(payload);
+    auto run = values::parse_label_run(type == ChunkType::labels ? payload : std::span<const std::byte>());
     std::uint64_t step = runs_.size();
     if (run && run->level < layout_.orders.size()) step = values::take_step(*run, layout_.orders[run->level].codes());
     // Later steps keep the labels of earlier ones, but the first of a chain has all of them.
@@ -118,32 +119,10 @@ class LabelSteps final : public VolumeSeries, public std::enable_shared_from_thi
   std::size_t first_ = 0, decoded_ = 0;        // begin of the chain; number of its steps in levels_
 };
 
-/// Decoder of a time series of labels. Its geometry is one step, which has the series.
-class LabelSeriesDecoder final : public Decoder {
- public:
-  LabelSeriesDecoder(const StreamHeader& header, std::size_t most_vectors)
-      : steps_(std::make_shared<LabelSteps>(header, most_vectors)) {}
-
-  void add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange>) override {
-    steps_->add(type == ChunkType::labels ? payload : std::span<const std::byte>());
-  }
-  void leave_order() override { steps_->leave_order(); }
-  [[nodiscard]] DecodeCount count() const override { return steps_->count(); }
-  [[nodiscard]] std::size_t vectors() const override { return steps_->vectors(); }
-  [[nodiscard]] Geometry geometry(GeometryBase base) const override {
-    return steps_->geometry(std::move(base), shown_);
-  }
-  void show(const ShownComponent& shown) override { shown_ = shown; }
-
- private:
-  std::shared_ptr<LabelSteps> steps_;
-  ShownComponent shown_;
-};
-
 }  // namespace
 
 std::unique_ptr<Decoder> make_label_series_decoder(const StreamHeader& header, std::size_t most_vectors) {
-  return std::make_unique<LabelSeriesDecoder>(header, most_vectors);
+  return std::make_unique<StepsDecoder<LabelSteps>>(header, most_vectors);
 }
 
 }  // namespace gs::qnv
