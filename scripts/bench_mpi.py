@@ -68,24 +68,28 @@ def main():
     nx, ny, nz = (int(one) for one in options.size.split(","))
     source, alone, out = (os.path.join(options.folder, "ghostspace-bench-mpi." + end) for end in ("nrrd", "alone.qnv", "qnv"))
     load = os.getloadavg()[0]
-    print("%d cores, load %.1f, volume %d x %d x %d%s\n" % (os.cpu_count(), load, nx, ny, nz, " per rank" if options.weak else ""))
-    print("| program | time, s | bytes | largest memory of a rank, MB | messages of a rank | sent by a rank, kB | largest, kB |")
-    print("| --- | ---: | ---: | ---: | ---: | ---: | ---: |")
+    print("%d cores, load %.1f before, volume %d x %d x %d%s\n" % (os.cpu_count(), load, nx, ny, nz, " per rank" if options.weak else ""))
+    print("| program | time, s | most CPU time of a rank, s | bytes | most memory of a rank, MB | messages of a rank | sent by a "
+          "rank, kB | largest, kB |")
+    print("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |")
     made_for = None
     for ranks in (int(one) for one in options.ranks.split(",")):
         size = (nx, ny, nz * ranks if options.weak else nz)
         if size != made_for:
             write_volume(source, size)
             made_for = size
+            before = resource.getrusage(resource.RUSAGE_CHILDREN)
             facts, seconds = encode([PROGRAM], source, alone)
-            peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024
-            print("| `ghostspace`%s | %.1f | %d | %.0f | | | |" %
-                  (", %d slices" % size[2] if options.weak else "", seconds, facts["bytes"], peak / 1e6), flush=True)
+            after = resource.getrusage(resource.RUSAGE_CHILDREN)
+            used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+            peak = after.ru_maxrss * 1024
+            print("| `ghostspace`%s | %.1f | %.1f | %d | %.0f | | | |" %
+                  (", %d slices" % size[2] if options.weak else "", seconds, used, facts["bytes"], peak / 1e6), flush=True)
         facts, seconds = encode(["mpirun", "--quiet", "--oversubscribe", "--bind-to", "none", "-n", str(ranks),
                                  PROGRAM + "-mpi"], source, out)
         most = {key: max(one[key] for one in facts["ranks"]) for key in facts["ranks"][0]}
-        print("| %d ranks | %.1f | %d | %.0f | %d | %.1f | %.1f |" %
-              (ranks, seconds, facts["bytes"], most["peak_memory"] / 1e6, most["messages"], most["sent_bytes"] / 1e3,
+        print("| %d ranks | %.1f | %.1f | %d | %.0f | %d | %.1f | %.1f |" %
+              (ranks, seconds, most["cpu_seconds"], facts["bytes"], most["peak_memory"] / 1e6, most["messages"], most["sent_bytes"] / 1e3,
                most["largest_message"] / 1e3), flush=True)
         if sum_of(out) != sum_of(alone):
             raise SystemExit("%d ranks wrote other bytes" % ranks)

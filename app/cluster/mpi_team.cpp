@@ -234,8 +234,15 @@ std::unique_ptr<TeamFile> MpiTeam::create(const std::string& path) {
 JsonValue MpiTeam::statistics() {
   struct rusage usage {};
   ::getrusage(RUSAGE_SELF, &usage);
-  const std::array<std::uint64_t, 5> own{ranks_.messages(), ranks_.sent_bytes(), ranks_.largest_message(), written_,
-                                         static_cast<std::uint64_t>(usage.ru_maxrss) * 1024};
+  const auto milliseconds = [](const timeval& time) {
+    return static_cast<std::uint64_t>(time.tv_sec) * 1000 + static_cast<std::uint64_t>(time.tv_usec) / 1000;
+  };
+  const std::array<std::uint64_t, 6> own{ranks_.messages(),
+                                         ranks_.sent_bytes(),
+                                         ranks_.largest_message(),
+                                         written_,
+                                         static_cast<std::uint64_t>(usage.ru_maxrss) * 1024,
+                                         milliseconds(usage.ru_utime) + milliseconds(usage.ru_stime)};
   const auto all = qnv::gather_records<std::uint64_t>(ranks_, own);
   JsonValue list = JsonValue::list();
   for (std::size_t i = 0; i + own.size() <= all.size(); i += own.size())
@@ -243,7 +250,8 @@ JsonValue MpiTeam::statistics() {
                                {"sent_bytes", all[i + 1]},
                                {"largest_message", all[i + 2]},
                                {"written_bytes", all[i + 3]},
-                               {"peak_memory", all[i + 4]}}));
+                               {"peak_memory", all[i + 4]},
+                               {"cpu_seconds", static_cast<double>(all[i + 5]) / 1000}}));
   return list;
 }
 

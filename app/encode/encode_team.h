@@ -31,7 +31,7 @@ class EncodeTeam {
   [[nodiscard]] virtual std::string hidden_errors() const = 0;
   /// Creates the output. All processes call it. Returns null if a process cannot write it.
   [[nodiscard]] virtual std::unique_ptr<TeamFile> create(const std::string& path) = 0;
-  /// Returns the messages, bytes and memory of each process. All of them call it.
+  /// Returns the messages, bytes, memory and computing time of each process. All of them call it.
   [[nodiscard]] virtual JsonValue statistics() = 0;
   /// Notes that all processes end the command now. Otherwise the end of one process ends the others.
   virtual void end_together() = 0;

@@ -35,6 +35,7 @@ ENVIRONMENT = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROO
                    OMPI_MCA_btl_vader_single_copy_mechanism="none", OMPI_MCA_mpi_yield_when_idle="1",
                    OMPI_MCA_btl="self,vader", OMPI_MCA_orte_base_help_aggregate="1")
 failures = 0
+interrupted = 0
 
 
 def check(name, good, detail=""):
@@ -134,6 +135,7 @@ def ranks_of(launcher):
 
 def end_a_rank(folder, source, extra, expected, longest, chance):
     """Ends one rank at a random moment. Then --resume continues, sometimes with another number of ranks."""
+    global interrupted
     out = folder + "/killed.qnv"
     shutil.rmtree(out + ".parts", ignore_errors=True)
     with open(out, "wb") as file:
@@ -162,6 +164,7 @@ def end_a_rank(folder, source, extra, expected, longest, chance):
         return "half a file has the final name"
     if whole and running.returncode == 0:
         return None
+    interrupted += 1
     for attempt in range(2):
         made = run(mpirun(chance.choice((2, 3, 4)), ["encode", source, out, "--resume"] + extra))
         if made.returncode == 0:
@@ -218,8 +221,8 @@ def main():
             problem = end_a_rank(folder, source, [], expected, longest, chance)
             if problem:
                 problems.append("end %d: %s" % (i, problem))
-        check("%d ends of a rank leave no half file, and --resume gives the same bytes" % options.kills, not problems,
-              "; ".join(problems))
+        check("%d ends of a rank (%d before the end of the run) leave no half file, and --resume gives the same bytes" %
+              (options.kills, interrupted), not problems, "; ".join(problems))
     finally:
         shutil.rmtree(folder, ignore_errors=True)
     sys.exit(failures != 0)
