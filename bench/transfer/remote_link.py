@@ -83,9 +83,9 @@ class Display:
         shutil.rmtree(self.folder, ignore_errors=True)
         self.folder.mkdir(parents=True)
         read, write = os.pipe()
-        self.process = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", f"{width}x{height}x24", "-fbdir",
-                                         str(self.folder)], pass_fds=[write], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                                        stderr=subprocess.DEVNULL, start_new_session=True)
+        arguments = ["-displayfd", str(write), "-screen", "0", f"{width}x{height}x24", "-noreset", "-fbdir", str(self.folder)]
+        self.process = subprocess.Popen(["Xvfb", *arguments], pass_fds=[write], stdin=subprocess.DEVNULL,
+                                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
         os.close(write)
         with os.fdopen(read) as number:
             self.name = ":" + number.readline().strip()

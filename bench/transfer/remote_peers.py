@@ -13,6 +13,7 @@ import json
 import os
 import pathlib
 import shutil
+import signal
 import statistics
 import subprocess
 import sys
@@ -183,6 +184,7 @@ def main():
     parser.add_argument("--keep", type=pathlib.Path, metavar="FOLDER", help="keeps pictures of ParaView")
     parser.add_argument("--debug", action="store_true", help="shows the messages of ParaView")
     options = parser.parse_args()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # ends the programs that it started
     options.arrays = dict(each.split(":", 1) for each in options.array)
     files = {name: pathlib.Path(file).resolve() for name, file in (each.split("=", 1) for each in options.files)}
     scratch = pathlib.Path(tempfile.mkdtemp(prefix="remote-peers-"))

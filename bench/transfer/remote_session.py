@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures windows that look at remote data through shaping_proxy.py: seconds and bytes to the first picture, 30 and 40 dB.
 
-usage: remote_session.py [--links 10,1] [--runs 3] [--limits 60,120] [--keep FOLDER] NAME=WAY:FILE ...
+usage: remote_session.py [--links 10,1] [--runs 3,1] [--limits 60,120] [--keep FOLDER] NAME=WAY:FILE ...
 
 WAY is one of:
   ssh       ssh:// to an sshd on loopback, without streams of earlier sessions; `serve --stdio` encodes FILE there
@@ -19,8 +19,10 @@ import argparse
 import os
 import pathlib
 import shutil
+import signal
 import statistics
 import subprocess
+import sys
 import tempfile
 import time
 import zlib
@@ -227,7 +229,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("inputs", nargs="+", metavar="NAME=WAY:FILE")
     parser.add_argument("--links", default="10,1", type=lambda text: text.split(","))
-    parser.add_argument("--runs", type=int, default=3)
+    parser.add_argument("--runs", default="3,1", type=lambda text: [int(each) for each in text.split(",")],
+                        help="sessions, by link")
     parser.add_argument("--limits", default="60,120", type=lambda text: [float(each) for each in text.split(",")],
                         help="seconds of a session, by link")
     parser.add_argument("--quiet", type=float, default=8, help="seconds without a change that end a session")
@@ -236,6 +239,7 @@ def main():
     parser.add_argument("--steps", action="store_true", help="prints the changes of each session")
     parser.add_argument("--references", type=pathlib.Path, metavar="FOLDER", help="keeps the pictures of local files there")
     options = parser.parse_args()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # ends the programs that it started
     scratch = pathlib.Path(tempfile.mkdtemp(prefix="remote-session-"))
     print(f"load {os.getloadavg()[0]:.1f} before\n\n"
           "| link | input, way | first picture: s | kB | of the file | dB | 30 dB: s | kB | of the file | 40 dB: s | kB | of the "
@@ -260,10 +264,10 @@ def main():
             server = Server(scratch, way, file)
             try:
                 rested = None
-                for link_name, limit in zip(options.links, options.limits):
+                for link_name, limit, runs in zip(options.links, options.limits, options.runs):
                     kept = options.keep / f"{name}-{way}-{link_name}" if options.keep else None
                     records = [session(options, scratch, server, link_name, limit, kept if run == 0 else None)
-                               for run in range(options.runs)]
+                               for run in range(runs)]
                     rested = next((one for one in (rested, *records) if one and one.complete), None) or records[-1]
                     last = rested.picture(-1)
                     rows = [record.facts(last) for record in records]
