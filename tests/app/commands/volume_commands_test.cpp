@@ -143,6 +143,21 @@ TEST_CASE("encode: keeps every nth voxel of a volume with --most-voxels") {
   CHECK(refused.output.find("--most-voxels applies to volumes only") != std::string::npos);
 }
 
+TEST_CASE("snapshot: says that a volume of one value is invisible") {
+  const ScratchFolder folder;
+  const std::string flat = folder.write(
+      "flat.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: ascii\n\n7 7 7 7 7 7 7 7\n");
+  const Run drawn = run("--snapshot " + quoted(folder.path("a.png")) + " --size 32x32 " + quoted(flat));
+  INFO(drawn.output);
+  CHECK(drawn.status == kDone);
+  CHECK(drawn.output.find("have one value, so it is invisible") != std::string::npos);
+  const std::string picture = folder.write(
+      "flat.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 4 1\nencoding: ascii\n\n7 7 7 7 7 7 7 7\n");
+  CHECK(
+      run("--snapshot " + quoted(folder.path("a.png")) + " --size 32x32 " + quoted(picture)).output.find("invisible") ==
+      std::string::npos);
+}
+
 TEST_CASE("info: describes a volume larger than memory at a coarser level, without an error") {
   const ScratchFolder folder;
   std::string volume = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 128 128 128\nencoding: raw\n\n";
