@@ -8,6 +8,7 @@
 #include "app/commands/common/vectors_of.h"
 #include "app/encode/encode_spill.h"
 #include "app/encode/file_sink.h"
+#include "app/formats/volume/coarser_volume.h"
 #include "base/json_value.h"
 #include "net/files/atomic_file.h"
 #include "qnv/container/container.h"
@@ -106,8 +107,11 @@ int run_encode(const EncodeCommand& options) {
   ProgressBar progress;
   progress.whole().stage = "reading";
   if (steps.empty()) return fail(in + ": no file name matches this numbered pattern");
-  const auto input = steps.size() > 1 ? open_steps(options, steps) : open_input(options, steps.front());
+  auto input = steps.size() > 1 ? open_steps(options, steps) : open_input(options, steps.front());
   if (!input) return kFailed;
+  if (auto* const volume = std::get_if<qnv::VolumeSource>(&input->content); volume && options.most_voxels > 0)
+    if (const auto step = step_for_voxels(volume->layout, options.most_voxels); step > 1)
+      input->content = thinned(*volume, step);
   auto begun = net::AtomicFile::begin(out);
   if (const auto* problem = std::get_if<net::FileError>(&begun)) return fail_to_write(problem->message);
   auto& file = std::get<net::AtomicFile>(begun);
