@@ -182,16 +182,20 @@ void DataPanel::component_rows(const UiData& data, VoxelComponent& choice) {
   if (list.components < 2) return;
   constexpr std::uint64_t kMostComponents = 256;
   const std::uint64_t count = std::min(list.components, kMostComponents);
-  if (!data.is_mesh || choice.flow != FlowForm::values) {
+  const auto entry = std::ranges::find(list.entries, list.shown, &DatasetEntry::path);
+  const bool is_surface = entry != list.entries.end() && entry->form == DatasetForm::mesh;
+  if (is_surface || !data.is_mesh || choice.flow != FlowForm::values) {
     static constexpr std::pair<FlowForm, const char*> kForms[] = {
         {FlowForm::values, "Values"}, {FlowForm::arrows, "Arrows"}, {FlowForm::streamlines, "Streamlines"}};
     data_label("Vectors", frame_->scale);
     for (const auto& [form, name] : kForms) {
+      if (form == FlowForm::streamlines && is_surface) continue;
       if (form != FlowForm::values) ImGui::SameLine(0, 1);
       if (switch_button(name, choice.flow == form)) choice.flow = form;
-      frame_->tooltips.show(form == FlowForm::values   ? "Draws one component or the magnitude as a volume"
-                            : form == FlowForm::arrows ? "Draws arrows on a thinned grid, coloured by length"
-                                                       : "Draws lines along the vectors, coloured by length");
+      frame_->tooltips.show(form == FlowForm::streamlines ? "Draws lines along the vectors, coloured by length"
+                            : form == FlowForm::arrows    ? "Draws evenly thinned arrows, coloured by length"
+                            : is_surface                  ? "Colours the surface by one component or the magnitude"
+                                                          : "Draws one component or the magnitude as a volume");
     }
     if (choice.flow != FlowForm::values) return;
   }
