@@ -19,6 +19,7 @@ struct Fetch {
   std::vector<net::Url> candidates;  // URLs in the order of the attempts, with fragments
   std::size_t next = 0;
   std::size_t optional = 0;  // number of first candidates that may fail without a message
+  std::vector<net::Url> together;  // files to read at once, with the candidates; none reads one candidate after another
   net::Origin from;  // origin of the text that contains the reference
   std::string given_path;  // path of a file, spelled as by the user
   int priority = 0;
