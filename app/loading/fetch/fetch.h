@@ -3,6 +3,7 @@
 #include "app/loading/fetch/content_handler.h"
 #include "net/load/loader.h"
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -50,6 +51,7 @@ struct Fetch {
   Stage stage = Stage::seeking;
   std::uint64_t received = 0;
   std::optional<std::uint64_t> total;
+  std::shared_ptr<std::atomic<std::uint64_t>> parts;  // bytes of parts that were received; null if it is read in order
   std::uint64_t row = 0;  // row number in the LoadLedger
 
   static constexpr std::uint64_t kNoLimit = ~std::uint64_t{0};

@@ -83,6 +83,7 @@ LoadingState Fetcher::state() const {
   std::uint64_t left = 0;
   bool known = true;
   for (const auto& fetch : fetches_) {
+    if (fetch->parts) result.received += *fetch->parts;
     known = known && fetch->total;
     if (fetch->total) left += std::max(*fetch->total, fetch->received) - fetch->received;
   }
@@ -387,6 +388,7 @@ void Fetcher::refine_step() {
   if (fetch.handler->has_more()) return;
   refining_.pop_front();
   ended_.push_back(&fetch);
+  if (fetch.parts) received_ += *std::exchange(fetch.parts, nullptr);
   loading_.ledger->end(fetch.row, LoadStage::whole);
   fetch.handler->tell_progress(1);
 }

@@ -205,10 +205,13 @@ bool NetworkTransfers::take_front(Fetch& fetch, const net::LoadHead& head) {
 bool NetworkTransfers::read_parts(Fetch& fetch) {
   const net::Url& url = fetch.candidates[fetch.next - 1];
   if (*fetch.total < PartialFile::kLeastFile || !may_read_by_parts(url.path)) return false;
-  PartsOffer offer{{url, fetch.from, fetch.validator, *fetch.total}, loading_.fetcher.served_files()};
+  const auto counter = std::make_shared<std::atomic<std::uint64_t>>(0);
+  PartsOffer offer{{url, fetch.from, fetch.validator, *fetch.total}, loading_.fetcher.served_files(), counter};
   if (fetch.refresh) offer.place.cache = net::CacheUse::reload;
   if (!fetch.handler->take_parts(offer)) return false;
-  fetch.total = fetch.received;
+  loading_.fetcher.count_received(counter->exchange(0));
+  fetch.total.reset();
+  fetch.parts = counter;
   loading_.fetcher.finish(fetch, std::nullopt);
   return true;
 }

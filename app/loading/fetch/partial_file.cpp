@@ -13,7 +13,11 @@
 
 namespace gs::app {
 PartialFile::PartialFile(const std::string& name, PartsOffer offer, std::span<const std::byte> front)
-    : place_(std::move(offer.place)), served_(std::move(offer.served)), file_(name, front), problem_(file_.problem()) {
+    : place_(std::move(offer.place)),
+      served_(std::move(offer.served)),
+      counter_(std::move(offer.received)),
+      file_(name, front),
+      problem_(file_.problem()) {
   if (!problem_.empty()) return;
   descriptor_ = net::Descriptor(::open(file_.path().c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW));
   if (!descriptor_ || ::ftruncate(descriptor_.get(), static_cast<off_t>(place_.total)) != 0)
@@ -64,6 +68,7 @@ bool PartialFile::write(std::uint64_t offset, std::span<const std::byte> bytes) 
   }
   there_.add({begin, offset});
   received_ += offset - begin;
+  if (counter_) *counter_ += offset - begin;
   return true;
 }
 

@@ -7,6 +7,7 @@
 #include "net/base/descriptor.h"
 #include "net/base/range_set.h"
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -30,6 +31,7 @@ struct FilePlace {
 struct PartsOffer {
   FilePlace place;
   std::shared_ptr<ServedFiles> served;
+  std::shared_ptr<std::atomic<std::uint64_t>> received{};  // counts the bytes that are received later; may be null
 };
 
 /// File of a server of which only the needed parts are received. They are written to a sparse temporary file of the
@@ -64,6 +66,7 @@ class PartialFile : NonCopyable {
 
   const FilePlace place_;
   const std::shared_ptr<ServedFiles> served_;
+  const std::shared_ptr<std::atomic<std::uint64_t>> counter_;
   const TemporaryFile file_;
   std::string problem_;
   mutable std::mutex mutex_;  // guards the rest
