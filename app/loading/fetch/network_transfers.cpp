@@ -50,7 +50,9 @@ void NetworkTransfers::begin(Fetch& fetch) {
   if (fetch.max_bytes != Fetch::kNoLimit) ranges = {{0, fetch.max_bytes}};
   const std::string& path = fetch.candidates[fetch.next - 1].path;
   const bool by_view = loading_.options.by_view || loading_.options.large_by_view || loading_.options.one_step;
-  const bool by_parts = (loading_.options.by_view || loading_.options.large_by_view) && may_read_by_parts(path);
+  // A file that grows is another version at each request.
+  const bool by_parts = (loading_.options.by_view || loading_.options.large_by_view) &&
+                        !loading_.options.component.growing && may_read_by_parts(path);
   const bool is_long = ranges.empty() && ((by_view && path.ends_with(".qnv")) || by_parts);
   fetch.part = is_long ? Fetch::Part::front : Fetch::Part::all;
   if (is_long) ranges = {{0, kFrontBytes}};
@@ -204,7 +206,8 @@ bool NetworkTransfers::take_front(Fetch& fetch, const net::LoadHead& head) {
 // Lets the handler read a file of datasets or voxels by parts. Returns false if it needs the file in order.
 bool NetworkTransfers::read_parts(Fetch& fetch) {
   const net::Url& url = fetch.candidates[fetch.next - 1];
-  if (*fetch.total < PartialFile::kLeastFile || !may_read_by_parts(url.path)) return false;
+  if (*fetch.total < PartialFile::kLeastFile || loading_.options.component.growing || !may_read_by_parts(url.path))
+    return false;
   const auto counter = std::make_shared<std::atomic<std::uint64_t>>(0);
   PartsOffer offer{{url, fetch.from, fetch.validator, *fetch.total}, loading_.fetcher.served_files(), counter};
   if (fetch.refresh) offer.place.cache = net::CacheUse::reload;
