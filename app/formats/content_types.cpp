@@ -108,7 +108,8 @@ void note_dataset(const qnv::VolumeSource& volume, const ImportSource& source) {
 
 Asset read_volume(const ImportSource& source) {
   auto opened = open_volume_confined(
-      source.path, {}, {source.read_file, source.name, source.component, source.read_files, source.list_folder},
+      source.path, {},
+      {source.read_file, source.name, source.component, source.read_files, source.list_folder, source.need},
       source.budget);
   if (auto* volume = std::get_if<qnv::VolumeSource>(&opened)) {
     note_dataset(*volume, source);
@@ -221,7 +222,8 @@ const ContentType& type_of_content(const ContentType& type, const ImportSource& 
     return type.holds_mesh(source) ? *type.mesh_type : type;
   // A child tries to open it as a volume.
   const auto opened =
-      open_volume_confined(source.path, {}, {source.read_file, source.name, source.component}, source.budget);
+      open_volume_confined(
+      source.path, {}, {source.read_file, source.name, source.component, {}, {}, source.need}, source.budget);
   const auto* const problem = std::get_if<std::string>(&opened);
   return problem && problem->ends_with(kIsMesh) ? *type.mesh_type : type;
 }

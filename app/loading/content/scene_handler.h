@@ -49,6 +49,7 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   void read_more() override;
   std::shared_ptr<StreamFeed> feed() override { return content_ ? content_->feed() : nullptr; }
   void leave_to_feed() override { finished_reading(); }
+  bool take_parts(const PartsOffer& offer) override { return content_ && content_->take_parts(offer); }
 
   [[nodiscard]] const SceneUse& use() const { return use_; }
   [[nodiscard]] SceneTarget& target() { return target_; }
