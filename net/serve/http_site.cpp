@@ -1,6 +1,7 @@
 #include "net/serve/http_site.h"
 
 #include "net/base/siphash.h"
+#include "net/serve/content_tag.h"
 
 #include <algorithm>
 #include <array>
@@ -17,6 +18,7 @@ namespace {
 constexpr std::uint64_t kMinGzip = 512, kMaxGzip = std::uint64_t{64} << 20;
 constexpr std::chrono::milliseconds kGzipWait{5000};
 constexpr const char* kRetrySeconds = "2";
+constexpr std::int64_t kYearSeconds = 365LL * 24 * 60 * 60;
 
 std::string text_tag(const std::string& body) {
   char tag[32];
@@ -114,9 +116,10 @@ void HttpSite::add_sharing(const HttpRequest& request, HttpAnswer& answer) const
 }
 
 void HttpSite::add_freshness(HttpAnswer& answer) const {
-  answer.headers.emplace_back("Cache-Control", options_.max_age > 0
-                                                   ? "public, max-age=" + std::to_string(options_.max_age)
-                                                   : std::string("no-cache"));
+  std::string text = "no-cache";
+  if (options_.max_age > 0) text = "public, max-age=" + std::to_string(options_.max_age);
+  if (options_.max_age >= kYearSeconds) text += ", immutable";  // RFC 8246
+  answer.headers.emplace_back("Cache-Control", text);
 }
 
 HttpAnswer HttpSite::problem(int status, const std::string& message) {
@@ -425,6 +428,7 @@ HttpSite::Reply HttpSite::make(const HttpRequest& request, std::size_t lane, con
     // If the file has changed, the maker may have mixed two versions.
     const Descriptor now(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
     if (!now || !(stamp_of(now) == stamp)) return MakeFailure{"the file changed during the request", false};
+    store_content_tag(out, stop);
     return std::nullopt;
   };
   const MadeFile result = made_->request(lane, key, maker.extension, make_it);
@@ -446,7 +450,8 @@ HttpSite::Reply HttpSite::make(const HttpRequest& request, std::size_t lane, con
   chosen.file.descriptor = Descriptor(::open(result.path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   if (!chosen.file.descriptor) return problem(503, "was removed from the cache; retry");
   chosen.file.stamp = stamp_of(chosen.file.descriptor);
-  chosen.etag = chosen.file.stamp.etag("-m");
+  // Without a stored tag, other servers have another one. Clients then start again after a change of servers.
+  chosen.etag = content_tag_of(chosen.file.descriptor).value_or(chosen.file.stamp.etag("-m"));
   chosen.modified = chosen.file.stamp.seconds;
   chosen.type = maker.type;
   return send(request, std::move(chosen));
