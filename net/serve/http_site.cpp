@@ -197,6 +197,7 @@ HttpSite::Reply HttpSite::answer_here(const HttpRequest& request) const {
     add_common(answer);
     return answer;
   }
+  if (request.method == "POST" && options_.post) return post(request);
   if (request.method != "GET" && request.method != "HEAD") return problem(405, "only GET, HEAD and OPTIONS are served");
   const auto [path, query] = split_target(request.target);
   if (path == "/health") return text(request, "text/plain; charset=utf-8", "ok\n");
@@ -208,6 +209,13 @@ HttpSite::Reply HttpSite::answer_here(const HttpRequest& request) const {
     return text(request, "text/plain; version=0.0.4; charset=utf-8", metrics_());
   }
   return get(request, path, query);
+}
+
+HttpAnswer HttpSite::post(const HttpRequest& request) const {
+  if (request.has_body) return problem(413, "the request has a body; expected none");
+  const auto [path, query] = split_target(request.target);
+  const PostAnswer result = options_.post({path, query, request.authorization});
+  return problem(result.status, result.message);
 }
 
 // Parses a path, and replaces "/~/" by the home folder.

@@ -302,3 +302,27 @@ TEST_CASE("HTTP server: lists folders, JSON and metrics") {
   site.write("index.html", "<p>own</p>");
   CHECK(site.get("/").body == "<p>own</p>");
 }
+
+TEST_CASE("HTTP server: passes POST without a body to its owner, and refuses bodies") {
+  ServedSite site;
+  std::vector<std::string> received;
+  site.options.post = [&](const PostRequest& request) {
+    received.push_back(request.path + ' ' + request.query + ' ' + request.authorization);
+    return request.query == "a=1" ? PostAnswer{200, "ok"} : PostAnswer{400, "expected a=1"};
+  };
+  site.write("x", "file");
+  site.start();
+  const Got got = site.get("/set?a=1", {"Authorization: Bearer secret", "Content-Length: 0"}, "POST");
+  CHECK(got.status == 200);
+  CHECK(got.body == "ok\n");
+  CHECK(got.headers.at("cache-control") == "no-store");
+  CHECK(site.get("/set?a=2", {}, "POST").body == "expected a=1\n");
+  CHECK(received == std::vector<std::string>{"/set a=1 Bearer secret", "/set a=2 "});
+  CHECK(site.get("/x").body == "file");
+  CHECK(site.get("/set?a=1", {"Host: evil.example"}, "POST").status == 421);
+  CHECK(site.get("/set?a=1", {"Content-Length: 5"}, "POST").status == 413);
+  CHECK(received.size() == 2);
+  site.options.post = {};
+  site.start();
+  CHECK(site.get("/set?a=1", {}, "POST").status == 405);
+}
