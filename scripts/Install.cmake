@@ -40,6 +40,10 @@ get_property(all GLOBAL PROPERTY ghostspace_made)
 add_custom_target(desktop_files ALL DEPENDS ${all} ${made}/icons/hicolor/scalable/apps/${desktop_name}.svg)
 
 install(TARGETS ghostspace RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+# ghostspace-mpi is not in the package: `cmake --install DIR --component cluster` installs it.
+if(TARGET ghostspace-mpi)
+  install(TARGETS ghostspace-mpi RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT cluster EXCLUDE_FROM_ALL)
+endif()
 # The program looks for it beside its own folder.
 install(TARGETS ghostspace_datasets LIBRARY DESTINATION lib/ghostspace)
 # The library for simulations, with its headers, and files for pkg-config, CMake and Python.
