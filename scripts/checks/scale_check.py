@@ -302,9 +302,12 @@ def find_s3rver(work, options):
         return program
     if not options.npm or not shutil.which("npm", path=work.environment["PATH"]):
         return None
-    done = subprocess.run(["npm", "install", "--silent", "--no-audit", "--no-fund", "--prefix", work.folder / "npm",
-                           "s3rver@3.7.1"], env=work.environment, capture_output=True,
-                          text=True, timeout=300)
+    settings = {name: value for name, value in os.environ.items() if name.lower().startswith(("node_", "npm_"))}
+    done = subprocess.run(["npm", "install", "--loglevel=error", "--no-audit", "--no-fund", "--prefix", work.folder / "npm",
+                           "s3rver@3.7.1"], env={**work.environment, **settings},
+                          capture_output=True, text=True, timeout=300)
+    if done.returncode != 0:
+        print(done.stderr[-500:], end="")
     program = work.folder / "npm/node_modules/.bin/s3rver"
     return program if done.returncode == 0 and program.exists() else None
 

@@ -20,10 +20,10 @@ struct HeldArchive {
   std::string folder;  // of the container in the archive, empty or with '/' at its end
 };
 
-// Files through which a container is opened, in the order of the attempts. Attributes come late: of an array they may be
-// any object, by which no format is recognised.
-constexpr std::string_view kZarrEntryFiles[] = {"zarr.json", ".zmetadata", ".zgroup", ".zarray", ".zattrs",
-                                                "attributes.json"};
+// Files through which a container is opened, in the order of the attempts. Attributes come late: of an array they may
+// be any object, by which no format is recognised.
+constexpr std::string_view kZarrEntryFiles[] = {"zarr.json", ".zmetadata", ".zgroup",
+                                                ".zarray",   ".zattrs",    "attributes.json"};
 
 bool is_zarr_metadata_file(std::string_view name) {
   return std::ranges::find(kZarrMetadataFiles, name) != std::end(kZarrMetadataFiles);
