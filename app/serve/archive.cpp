@@ -1,6 +1,7 @@
 #include "app/serve/archive.h"
 
 #include "app/formats/content_types.h"
+#include "app/formats/streamed_names.h"
 #include "app/serve/archive_index.h"
 #include "app/serve/cell_archive.h"
 #include "app/serve/child_program.h"
@@ -75,6 +76,32 @@ net::Maker stream_maker(const std::string& program, const std::string& served) {
     limits.memory = std::uint64_t{8} << 30;
     return run_confined(program, readable_folder(source, served), {"encode", "--timeout", "600", "--", source, out},
                         limits, stop);
+  };
+  return maker;
+}
+
+// Makes streams of few voxels, which are shown while the whole volumes are encoded.
+net::Maker coarse_maker(const std::string& program, const std::string& served) {
+  net::Maker maker;
+  maker.name = "coarse";
+  maker.type.mime = "model/x-qnv";
+  maker.extension = ".qnv";
+  maker.for_missing = true;
+  maker.at_once = 2;
+  maker.coarse_of = "encode";
+  maker.source_of = [](const std::string& name, const std::string&) -> std::optional<std::string> {
+    if (!name.ends_with(kCoarseExtension)) return std::nullopt;
+    const std::string source = name.substr(0, name.size() - kCoarseExtension.size());
+    const ContentType* const type = content_type_by_name(source);
+    return type && type->content == ContentClass::volume ? std::optional(source) : std::nullopt;
+  };
+  maker.make = [program, served](const std::string& source, const std::string& out, const std::stop_token& stop) {
+    ChildLimits limits;
+    limits.time = std::chrono::minutes(2);
+    return run_confined(
+        program, readable_folder(source, served),
+        {"encode", "--most-voxels", "1M", "--error", "0.5%", "--parity", "0", "--timeout", "100", "--", source, out},
+        limits, stop);
   };
   return maker;
 }
@@ -192,6 +219,7 @@ std::variant<std::unique_ptr<Archive>, std::string> Archive::start(const Archive
     const std::string served = whole ? std::string() : fs::canonical(options.folder, error).string();
     http.makers.push_back(thumbnail_maker(options.program, served));
     http.makers.push_back(stream_maker(options.program, served));
+    if (options.standard_streams) http.makers.push_back(coarse_maker(options.program, served));
     if (options.standard_streams)
       for (net::Maker& maker : http.makers) maker.wait = kOwnWait;
   }

@@ -10,7 +10,7 @@ WAY is one of:
   http      FILE, which may be a folder, from nginx (a static server with ranges, as an object store)
 
 Each session has an empty home folder and cache. Seconds count from the start of the program. A picture is the part of the window below
-the toolbar. It is compared with the last picture of the first session that came to rest, which the fast link reaches. The first picture
+the toolbar and the text of the progress. It is compared with the last picture of the first session that came to rest, which the fast link reaches. The first picture
 has at least a quarter of the pixels of that one's foreground. "Rest" is the last change of the picture. The last column compares it with
 a window that shows the local FILE. Prints Markdown, medians of the runs, and with --steps each change of the picture.
 GHOSTSPACE: program instead of build/release/ghostspace. Needs xvfb, openssh-server, nginx and python3-numpy; python3-pil for --keep.
@@ -32,7 +32,7 @@ import numpy as np
 from remote_link import ROOT, Account, Display, Link, await_port, end, free_port, psnr
 
 WIDTH, HEIGHT = 1024, 768
-TOP, BOTTOM = 66, 40  # rows of the toolbar and of messages at the lower border
+TOP, BOTTOM = 140, 40  # rows of the toolbar and the progress below it, and of messages at the lower border
 PROGRAM = os.path.abspath(os.environ.get("GHOSTSPACE", ROOT / "build/release/ghostspace"))
 
 

@@ -421,7 +421,7 @@ std::optional<HttpSite::Reply> HttpSite::made(const HttpRequest& request, const 
   return std::nullopt;
 }
 
-HttpSite::Reply HttpSite::make(const HttpRequest& request, std::size_t lane, const ServedFile& source) const {
+std::pair<MadeFile, std::string> HttpSite::request_made(std::size_t lane, const ServedFile& source) const {
   const Maker& maker = options_.makers[lane];
   const std::string path = ServedFolder::real_path(source.descriptor);
   const std::string key = maker.name + " " + source.stamp.etag() + path;
@@ -439,7 +439,15 @@ HttpSite::Reply HttpSite::make(const HttpRequest& request, std::size_t lane, con
     store_content_tag(out, stop);
     return std::nullopt;
   };
-  const MadeFile result = made_->request(lane, key, maker.extension, make_it);
+  return {made_->request(lane, key, maker.extension, make_it), key};
+}
+
+HttpSite::Reply HttpSite::make(const HttpRequest& request, std::size_t lane, const ServedFile& source) const {
+  const Maker& maker = options_.makers[lane];
+  for (std::size_t i = 0; i < options_.makers.size() && !maker.coarse_of.empty(); ++i)
+    if (options_.makers[i].name == maker.coarse_of && request_made(i, source).first.state != MadeState::waiting)
+      return problem(404, "the complete file is ready");
+  const auto [result, key] = request_made(lane, source);
   switch (result.state) {
     case MadeState::failed:
       return result.failure.lasting ? problem(422, "cannot be generated: " + result.failure.message)

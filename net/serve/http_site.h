@@ -25,9 +25,9 @@ struct HttpRequest {
   std::string within;  // path of a folder that links in the target must not leave; empty means no limit
   Conditions conditions;
   std::vector<std::string> hosts;  // values of the Host fields
-  std::string origin;  // origin of the requesting page; empty if missing
-  bool local = false;  // sent by this machine, not through a proxy
-  bool waited_long = false;  // the request has waited for a made file for the maximum time
+  std::string origin;              // origin of the requesting page; empty if missing
+  bool local = false;              // sent by this machine, not through a proxy
+  bool waited_long = false;        // the request has waited for a made file for the maximum time
 };
 
 /// Part of a response body: text, or a range of the response's file.
@@ -86,6 +86,8 @@ class HttpSite {
   [[nodiscard]] Reply file(const HttpRequest& request, const RequestPath& path, ServedFile file) const;
   [[nodiscard]] std::optional<Reply> made(const HttpRequest& request, const RequestPath& path, const std::string& query,
                                           bool missing) const;
+  /// Returns the state of the file that a maker makes from `source`, and its key. Starts to make it if it is missing.
+  [[nodiscard]] std::pair<MadeFile, std::string> request_made(std::size_t lane, const ServedFile& source) const;
   [[nodiscard]] Reply make(const HttpRequest& request, std::size_t lane, const ServedFile& source) const;
   [[nodiscard]] std::optional<WaitForMade> compress(const HttpRequest& request, const RequestPath& path,
                                                     Representation& chosen) const;

@@ -5,6 +5,8 @@
 #include "app/commands/common/shared.h"
 #include "app/encode/surface_triangles.h"
 #include "app/encode/textured_surface.h"
+#include "app/formats/qnv/geometry_reader.h"
+#include "app/formats/volume/coarser_volume.h"
 #include "app/loading/updates/limit_report.h"
 #include "base/text.h"
 #include "qnv/codecs/encode.h"
@@ -185,6 +187,8 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
   if (options.isovalue && !values_of(input)) return not_a_volume(path);
   if (options.method == EncodeMethod::values && !std::holds_alternative<qnv::VolumeSource>(input.content))
     return EncodeError{"--method values applies to volumes only; leave it out"};
+  if (options.most_voxels > 0 && !std::holds_alternative<qnv::VolumeSource>(input.content))
+    return EncodeError{"--most-voxels applies to volumes only; leave it out"};
   const auto* const splats = std::get_if<qnv::Geometry>(&input.content);
   if (options.method == EncodeMethod::gaussians && !(splats && splats->as<qnv::Gaussians>()))
     return EncodeError{"--method gaussians applies to Gaussian splats only; leave it out"};
@@ -213,7 +217,10 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
     if (gaussians) return encode(std::cref(*gaussians), request, progress);
     return encode(vectors, request, progress);
   }
-  const auto& volume = std::get<qnv::VolumeSource>(input.content);
+  const auto& whole = std::get<qnv::VolumeSource>(input.content);
+  const std::uint32_t step = options.most_voxels > 0 ? step_for_voxels(whole.layout, options.most_voxels) : 1;
+  const qnv::VolumeSource coarse = step > 1 ? thinned(whole, step) : qnv::VolumeSource{};
+  const qnv::VolumeSource& volume = step > 1 ? coarse : whole;
   if (keeps_values(options)) {
     if (volume.layout.type == qnv::VoxelType::f64 && !volume.layout.labels)
       complain("ghostspace: warning: %s: values of float64 are stored as float32", path.c_str());

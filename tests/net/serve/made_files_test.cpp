@@ -124,3 +124,55 @@ TEST_CASE("HTTP server: answers other requests while slow files are made") {
   CHECK(slow == 3);
   CHECK(site.get("/slow3?thumbnail").body == "picture");
 }
+
+TEST_CASE("HTTP server: offers a coarse version until the complete file is made") {
+  ServedSite site;
+  site.write("run.h5", "values");
+  site.options.made_folder = site.made();
+  std::mutex mutex;
+  std::condition_variable changed;
+  bool open = false;
+  std::atomic<int> complete{0};
+  const auto maker_of = [](const std::string& name, const std::string& extension) {
+    Maker maker;
+    maker.name = name;
+    maker.extension = ".qnv";
+    maker.for_missing = true;
+    maker.wait = std::chrono::seconds(20);
+    maker.source_of = [extension](const std::string& asked, const std::string&) -> std::optional<std::string> {
+      if (!asked.ends_with(extension)) return std::nullopt;
+      return asked.substr(0, asked.size() - extension.size());
+    };
+    return maker;
+  };
+  Maker whole = maker_of("encode", ".h5.qnv"), coarse = maker_of("coarse", ".coarse.qnv");
+  whole.source_of = [](const std::string& asked, const std::string&) -> std::optional<std::string> {
+    if (asked != "run.h5.qnv") return std::nullopt;
+    return "run.h5";
+  };
+  whole.make = [&](const std::string&, const std::string& out, const std::stop_token&) -> std::optional<MakeFailure> {
+    std::unique_lock lock(mutex);
+    changed.wait_for(lock, std::chrono::seconds(15), [&] { return open; });
+    std::ofstream(out) << "all values";
+    ++complete;
+    return std::nullopt;
+  };
+  coarse.coarse_of = "encode";
+  coarse.make = [](const std::string&, const std::string& out, const std::stop_token&) -> std::optional<MakeFailure> {
+    std::ofstream(out) << "few values";
+    return std::nullopt;
+  };
+  site.options.makers = {whole, coarse};
+  site.start();
+  CHECK(site.get("/other.h5.coarse.qnv").status == 404);
+  CHECK(site.get("/run.h5.coarse.qnv").body == "few values");
+  CHECK(complete == 0);
+  {
+    const std::lock_guard lock(mutex);
+    open = true;
+  }
+  changed.notify_all();
+  CHECK(site.get("/run.h5.qnv").body == "all values");  // the first request has begun it
+  CHECK(complete == 1);
+  CHECK(site.get("/run.h5.coarse.qnv").status == 404);
+}
