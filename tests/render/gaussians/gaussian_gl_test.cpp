@@ -117,6 +117,16 @@ TEST_CASE("draws many small, few large and antialiased Gaussians with OpenGL as 
   check_same(list_of(std::make_shared<const qnv::Gaussians>(thin)));
 }
 
+TEST_CASE("draws flat Gaussians with OpenGL as on the processor") {
+  qnv::Gaussians flat = random_gaussians(400, 1, 9);
+  for (std::size_t i = 0; i < flat.size(); ++i)
+    if (i % 5 != 0) flat.scales[i].z = 0;
+  const auto shared = std::make_shared<const qnv::Gaussians>(flat);
+  for (const glm::vec3& eye : {glm::vec3(0, 0, 3), glm::vec3(2, 1, -1), glm::vec3(0.3f, 0.2f, 0.4f)})
+    check_same(list_of(shared), eye);
+  check_same(list_of(shared, glm::rotate(scale({1.5f, 0.6f, -1}), 1.0f, glm::vec3(1, 2, 3))), {0, 1, 4});
+}
+
 TEST_CASE("draws several scenes of Gaussians in one order with OpenGL, clipped, faded, in fog and under any matrix") {
   RenderList list = list_of(scene(300, 2, 5), glm::rotate(scale({1.5f, 0.6f, -1}), 1.0f, glm::vec3(1, 2, 3)));
   list.splats.push_back(list_of(scene(200, 0, 6), translation({0.4f, 0.2f, 0.5f})).splats[0]);
