@@ -147,6 +147,30 @@ TEST_CASE("draws several scenes of Gaussians in one order with OpenGL, clipped, 
   }
 }
 
+TEST_CASE("draws Gaussians and volumes in the order of their distances from the eye") {
+  qnv::Volume volume;
+  volume.description.box.add(glm::vec3(-1));
+  volume.description.box.add(glm::vec3(1));
+  qnv::Gaussians gaussians = random_gaussians(3, 0, 1);
+  gaussians.description.box.add(glm::vec3(-1));
+  gaussians.description.box.add(glm::vec3(1));
+  RenderList list = list_of(std::make_shared<const qnv::Gaussians>(gaussians), glm::mat4(translation({5, 0, 0})));
+  CHECK_FALSE(are_gaussians_behind_volumes(list, {0, 0, 0}));  // there is no volume
+  SplatItem item;
+  item.geometry = std::make_shared<const qnv::Geometry>(volume);
+  list.splats.push_back(item);
+  CHECK(are_gaussians_behind_volumes(list, {-10, 0, 0}));
+  CHECK(are_gaussians_behind_volumes(list, {0.5, 0, 0}));
+  CHECK_FALSE(are_gaussians_behind_volumes(list, {10, 0, 0}));
+  CHECK_FALSE(are_gaussians_behind_volumes(list, {4.5, 20, 0}));
+  list.splats[0].world_from_node = translation({0.5f, 0, 0});  // overlaps the volume
+  CHECK(are_gaussians_behind_volumes(list, {-10, 0, 0}));
+  CHECK_FALSE(are_gaussians_behind_volumes(list, {10, 0, 0}));
+  list.splats[0].world_from_node = translation({0, -5, 0});
+  CHECK(are_gaussians_behind_volumes(list, {0, 10, 1}));
+  CHECK_FALSE(are_gaussians_behind_volumes(list, {0, -10, 1}));
+}
+
 TEST_CASE("hides Gaussians behind polygons with OpenGL, and veils polygons by those in front, per sample") {
   const RenderList list = list_of(scene(600, 1, 9));
   const std::array<glm::vec3, 4> slanted{
