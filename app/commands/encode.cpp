@@ -106,8 +106,9 @@ int run_encode(const EncodeCommand& options) {
   ProgressBar progress;
   progress.whole().stage = "reading";
   if (steps.empty()) return fail(in + ": no file name matches this numbered pattern");
-  const auto input = steps.size() > 1 ? open_steps(options, steps) : open_input(options, steps.front());
+  auto input = steps.size() > 1 ? open_steps(options, steps) : open_input(options, steps.front());
   if (!input) return kFailed;
+  if (const auto problem = edit_input(options.splats, *input)) return fail(in + ": " + *problem);
   auto begun = net::AtomicFile::begin(out);
   if (const auto* problem = std::get_if<net::FileError>(&begun)) return fail_to_write(problem->message);
   auto& file = std::get<net::AtomicFile>(begun);
