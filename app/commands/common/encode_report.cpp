@@ -51,6 +51,10 @@ std::optional<EncodeInput> open_encode_input(const ConversionOptions& options, P
   }
   auto input = steps.size() > 1 ? open_steps(options, steps) : open_input(options, steps.front());
   if (!input) return std::nullopt;
+  if (const auto problem = edit_input(options.splats, *input)) {
+    (void)fail(in + ": " + *problem);
+    return std::nullopt;
+  }
   return EncodeInput{std::move(steps), std::move(*input)};
 }
 

@@ -6,6 +6,7 @@
 #include "app/commands/options/option_values.h"
 #include "app/commands/options/picture_options.h"
 #include "app/commands/options/setters.h"
+#include "app/commands/options/splat_options.h"
 #include "app/commands/serve.h"
 #include "app/commands/trace.h"
 #include "base/text.h"
@@ -384,8 +385,9 @@ bool accepts(const CommandRow& command, const OptionRow& option) {
 std::span<const OptionRow> option_rows() {
   static const std::vector<OptionRow> all = [] {
     std::vector<OptionRow> rows;
-    for (const std::span<const OptionRow> part : {std::span<const OptionRow>(kOptions), encode_option_rows(),
-                                                  std::span<const OptionRow>(kOtherOptions), picture_option_rows()})
+    for (const std::span<const OptionRow> part :
+         {std::span<const OptionRow>(kOptions), encode_option_rows(), splat_option_rows(),
+          std::span<const OptionRow>(kOtherOptions), picture_option_rows()})
       rows.insert(rows.end(), part.begin(), part.end());
     return rows;
   }();

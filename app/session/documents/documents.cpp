@@ -123,7 +123,7 @@ void DocumentList::add(std::string_view path) {
 
 void DocumentList::reload_unedited(std::string_view path) {
   const Entry* known = find(path);
-  if (!known || !known->document || !known->document->edits.unsaved()) reload(path);
+  if (!known || !known->document || !known->document->unsaved()) reload(path);
 }
 
 void DocumentList::reload(std::string_view path) {
