@@ -20,6 +20,7 @@ parser.add_argument("--size", type=int, default=128)
 parser.add_argument("--steps", type=int, default=500)
 parser.add_argument("--every", type=int, default=100)
 parser.add_argument("--share", type=float, default=0.0)
+parser.add_argument("--thin", action="store_true")
 options = parser.parse_args()
 
 
@@ -47,7 +48,8 @@ plain, library = [], []
 with tempfile.TemporaryDirectory() as folder:
     for _ in range(options.pairs):
         plain.append(run([]))
-        library.append(run(["--every", str(options.every), "--share", str(options.share), "--folder", folder]))
+        library.append(run(["--every", str(options.every), "--share", str(options.share), "--folder", folder]
+                           + ["--thin"] * options.thin))
 for name, runs in (("without", plain), ("with", library)):
     print("%-8s %.2f s of processor time, %.1f MB" % (name, statistics.median(one[0] for one in runs),
                                                        statistics.median(one[1] for one in runs)))

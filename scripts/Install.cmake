@@ -49,6 +49,7 @@ install(TARGETS ghostspace_datasets LIBRARY DESTINATION lib/ghostspace)
 # The library for simulations, with its headers, and files for pkg-config, CMake and Python.
 install(TARGETS insitu_library LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} NAMELINK_COMPONENT development)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/app/insitu/include/ghostspace DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+file(RELATIVE_PATH ghostspace_insitu_prefix /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)  # of any prefix
 configure_file(${PROJECT_SOURCE_DIR}/app/insitu/ghostspace-insitu.pc.in ${made}/ghostspace-insitu.pc @ONLY)
 install(FILES ${made}/ghostspace-insitu.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 include(CMakePackageConfigHelpers)

@@ -75,6 +75,7 @@ std::variant<SessionOptions, std::string> session_options(const gs_insitu_option
   result.field = text_or(options.field, "");
   result.serve = options.serve != 0;
   result.background = options.background != 0;
+  result.thin = options.thin != 0;
   if (options.port < 0 || options.port > 65535)
     return "port " + std::to_string(options.port) + " is out of range; expected 0 to 65535";
   result.port = static_cast<std::uint16_t>(options.port);
@@ -156,7 +157,7 @@ int InSituSession::begin_step(std::int64_t step, double time) {
     {
       const std::lock_guard lock(shared_.mutex);
       busy = shared_.busy;
-      if (std::exchange(shared_.cost_is_new, false)) pace_.note_cost(shared_.cost);
+      if (std::exchange(shared_.cost_is_new, false)) pace_.note_cost(shared_.cost, shared_.cost_bytes);
     }
     log_messages();
     const bool wanted = publisher_->is_wanted();
@@ -272,13 +273,16 @@ int InSituSession::end_step() {
   StepPlan plan;
   if (sound && ranks_.is_first()) {
     const std::string chosen = parameters_.field();
-    plan = plan_step(all, {!options_.folder.empty(), chosen.empty() ? options_.field : chosen, options_.max_memory});
+    const std::uint64_t most = options_.thin ? pace_.affordable_bytes(steps_ - 1, now(), own()) : UINT64_MAX;
+    plan = plan_step(
+        all, {!options_.folder.empty(), chosen.empty() ? options_.field : chosen, std::min(options_.max_memory, most)});
     for (const RankFacts& rank : all) slowest_own_ = std::max(slowest_own_, rank.own_seconds);
     choose_fields(all);
   }
   StepData data{step_, time_, {}, {}, {}};
   sound = sound && ranks_.broadcast(plan) && (plan.problem[0] != 0 || gather_step(plan, data));
   peak_bytes_ = std::max(peak_bytes_, data.bytes());
+  const std::uint64_t grid_bytes = data.grid_bytes();
   ++taken_;
   if (!sound || plan.problem[0] != 0) {
     clear_step();
@@ -290,6 +294,7 @@ int InSituSession::end_step() {
       {
         const std::lock_guard lock(shared_.mutex);
         shared_.cost = cost;
+        shared_.cost_bytes = grid_bytes;
       }
       start_background(std::move(data), ended);
     } else {
@@ -298,7 +303,7 @@ int InSituSession::end_step() {
   }
   clear_step();
   timer.reset();
-  if (ranks_.is_first() && !options_.background) pace_.note_cost(own() - step_began_);
+  if (ranks_.is_first() && !options_.background) pace_.note_cost(own() - step_began_, grid_bytes);
   log_messages();
   return GS_INSITU_OK;
 }

@@ -28,7 +28,7 @@ namespace gs::app::insitu {
 /// Options of a session, as C++ values.
 struct SessionOptions {
   std::string title = "simulation", folder, bind = "127.0.0.1", token_file, field;
-  bool serve = false, background = false;
+  bool serve = false, background = false, thin = false;
   std::uint16_t port = 0;
   double error = 0, relative_error = 0.001, max_share = 0;
   std::int64_t every = 1;
@@ -102,6 +102,7 @@ class InSituSession : NonCopyable {
   struct Shared {
     mutable std::mutex mutex;
     double own_seconds = 0, last_seconds = 0, cost = 0, max_error = 0;
+    std::uint64_t cost_bytes = 0;
     bool cost_is_new = false;
     std::uint64_t stream_bytes = 0;
     std::uint32_t thinning = 1;

@@ -93,6 +93,13 @@ std::uint64_t StepData::bytes() const {
   return all;
 }
 
+std::uint64_t StepData::grid_bytes() const {
+  std::uint64_t all = 0;
+  for (const GridValues& grid : grids)
+    all += std::uint64_t{grid.size[0]} * grid.size[1] * grid.size[2] * grid.field.components * qnv::size_of(grid.type);
+  return all;
+}
+
 const char* name_of(StreamKind kind) {
   switch (kind) {
     case StreamKind::volume:

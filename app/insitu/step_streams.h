@@ -20,7 +20,10 @@ struct StepData {
   std::vector<SurfaceValues> surfaces;
   std::vector<ParticleValues> particles;
 
+  /// Returns the bytes of all copies.
   [[nodiscard]] std::uint64_t bytes() const;
+  /// Returns the bytes of the values of all grids, copied or not.
+  [[nodiscard]] std::uint64_t grid_bytes() const;
 };
 
 /// Limits of the encoders.

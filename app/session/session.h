@@ -12,6 +12,7 @@
 #include "app/session/opening/first_views.h"
 #include "app/session/opening/follower.h"
 #include "app/session/opening/link_follower.h"
+#include "app/session/opening/live_control.h"
 #include "app/session/opening/opening.h"
 #include "app/session/opening/series_playback.h"
 #include "app/session/opening/session_questions.h"
@@ -91,6 +92,7 @@ class Session : NonCopyable {
   [[nodiscard]] SeriesPlayback& series() { return series_; }
   [[nodiscard]] DataChoices& data() { return data_; }
   [[nodiscard]] Follower& follower() { return follower_; }
+  [[nodiscard]] LiveControl& live() { return live_; }
   [[nodiscard]] SessionQuestions& questions() { return questions_; }
   [[nodiscard]] InputHandler& input() { return input_; }
   /// Returns the log of diagnostics of all files.
@@ -122,6 +124,7 @@ class Session : NonCopyable {
   FirstViews first_views_;
   DataChoices data_;
   Follower follower_;
+  LiveControl live_;
   DocumentReaders readers_;
   StreamTransfers streams_;
   InputHandler input_;

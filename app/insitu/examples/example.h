@@ -12,7 +12,7 @@
 #endif
 
 typedef struct example {
-  int size, steps, every, serve, port, pause_ms, background, rank, ranks;
+  int size, steps, every, serve, port, pause_ms, background, thin, rank, ranks;
   double share, error;
   const char *folder, *token_file;
   gs_insitu* session;
@@ -41,6 +41,8 @@ static example example_begin(int argc, char** argv, int size) {
       e.serve = 1;
     else if (!strcmp(argv[i], "--background"))
       e.background = 1;
+    else if (!strcmp(argv[i], "--thin"))
+      e.thin = 1;
     else if (!strcmp(argv[i], "--size"))
       e.size = atoi(value), ++i;
     else if (!strcmp(argv[i], "--steps"))
@@ -62,7 +64,7 @@ static example example_begin(int argc, char** argv, int size) {
     else {
       fprintf(stderr,
               "usage: %s [--size N] [--steps N] [--every N] [--folder DIR] [--serve] [--port N] [--token-file FILE]\n"
-              "       [--share PART] [--error E] [--background] [--pause MILLISECONDS]\n",
+              "       [--share PART] [--error E] [--background] [--thin] [--pause MILLISECONDS]\n",
               argv[0]);
       exit(2);
     }
@@ -97,6 +99,7 @@ static void example_open(example* e, const char* title) {
   options.max_share = e->share;
   options.error = e->error;
   options.background = e->background;
+  options.thin = e->thin;
   options.log = example_log;
 #ifdef EXAMPLE_MPI
   communicator = &e->mpi->table;

@@ -9,7 +9,7 @@ int main(int argc, char** argv) {
   const int n = e.size;
   const size_t layer = (size_t)n * (size_t)n;
   int first, end, layers, step;
-  double *u, *v, *next_u, *next_v, feed = 0.03, kill = 0.062, time = 0;
+  double *u, *v, *next_u, *next_v, feed = 0.02, kill = 0.048, time = 0;
   const double du = 0.2, dv = 0.1, dt = 1;
   example_open(&e, "Gray-Scott");
   example_share(&e, n, &first, &end);
@@ -83,8 +83,8 @@ int main(int argc, char** argv) {
         for (int x = 0; x < n; ++x) {
           const size_t i = row + (size_t)x, l = row + (size_t)((x + n - 1) % n), r = row + (size_t)((x + 1) % n);
           const size_t b = up + (size_t)x, d = down + (size_t)x;
-          const double lu = (u[l] + u[r] + u[b] + u[d] + u[i + layer] + u[i - layer]) - 6 * u[i];
-          const double lv = (v[l] + v[r] + v[b] + v[d] + v[i + layer] + v[i - layer]) - 6 * v[i];
+          const double lu = (u[l] + u[r] + u[b] + u[d] + u[i + layer] + u[i - layer]) / 6 - u[i];
+          const double lv = (v[l] + v[r] + v[b] + v[d] + v[i + layer] + v[i - layer]) / 6 - v[i];
           const double uvv = u[i] * v[i] * v[i];
           next_u[i] = u[i] + dt * (du * lu - uvv + feed * (1 - u[i]));
           next_v[i] = v[i] + dt * (dv * lv + uvv - (feed + kill) * v[i]);

@@ -1,5 +1,7 @@
 #include "app/loading/updates/load_results.h"
 
+#include "app/loading/updates/live_data.h"
+
 #include "app/media/media_file.h"
 #include "base/text.h"
 #include "net/base/url_signature.h"
@@ -126,6 +128,7 @@ LoadedWorld LoadResults::hand_over(std::unique_ptr<vrml::SceneGraph> scene) {
   if (!handed.scene) return handed;
   if (std::string title = title_of(*handed.scene); !title.empty()) handed.title = std::move(title);
   handed.color_key = color_key_of(*handed.scene);
+  handed.live = live_data_of(*handed.scene);
   if (!handed.authored && !handed.steps) handed.steps = time_steps_of(*handed.scene);
   return handed;
 }

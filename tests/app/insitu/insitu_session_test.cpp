@@ -139,6 +139,26 @@ TEST_CASE("in situ: a grid above the memory limit is thinned") {
   CHECK(numbers.thinning == 4);
 }
 
+TEST_CASE("in situ: a grid is thinned if the share of run time demands it") {
+  const ScratchFolder scratch;
+  const std::string folder = scratch.path("out");
+  gs_insitu_options options = plain_options();
+  options.folder = folder.c_str();
+  options.max_share = 0.01;
+  options.thin = 1;
+  const Session session = opened(options);
+  const SmoothGrid grid(80);  // 2 MB, more than a first step may have
+  std::vector<double> values;
+  gs_insitu_field field;
+  const gs_insitu_block block = grid.block(0, 80, values, field);
+  REQUIRE(gs_insitu_begin_step(session.get(), 0, 0) == GS_INSITU_OK);
+  REQUIRE(gs_insitu_pass_block(session.get(), &block) == GS_INSITU_OK);
+  REQUIRE(gs_insitu_end_step(session.get()) == GS_INSITU_OK);
+  const DecodedVolume decoded = decoded_volume(scratch.read("out/heat.000000.qnv"));
+  CHECK(decoded.size == std::array<std::uint32_t, 3>{40, 40, 40});
+  CHECK(largest_difference(decoded, grid, 2) <= decoded.error);
+}
+
 TEST_CASE("in situ: fields of cells, of vectors and with strides keep their places") {
   const ScratchFolder scratch;
   const std::string folder = scratch.path("out");

@@ -139,6 +139,8 @@ typedef struct gs_insitu_options {
   uint64_t max_memory; /* bytes for a step on rank 0; a larger grid is thinned by 2, 4, ... per axis; default 256 MiB */
   int32_t threads;     /* maximum number of threads of an encoder; default 1 */
   int32_t background;  /* 1: rank 0 may encode on a thread of its own while the simulation continues */
+  int32_t thin;        /* 1: thins grids so that max_share permits each wanted step, instead of waiting for full ones */
+  int32_t reserved;
   void (*log)(void* context, const char* message); /* receives messages on the calling thread; NULL: none */
   void* log_context;
 } gs_insitu_options;

@@ -12,11 +12,11 @@ u[middle, middle, middle], v[middle, middle, middle] = 0.5, 0.25
 
 
 def laplacian(a):
-    return sum(numpy.roll(a, shift, axis) for axis in range(3) for shift in (-1, 1)) - 6 * a
+    return sum(numpy.roll(a, shift, axis) for axis in range(3) for shift in (-1, 1)) / 6 - a
 
 
-parameters = [ghostspace_insitu.Parameter("feed", 0, 0.1, 0.03, label="Feed rate"),
-              ghostspace_insitu.Parameter("kill", 0, 0.1, 0.062, label="Kill rate")]
+parameters = [ghostspace_insitu.Parameter("feed", 0, 0.1, 0.02, label="Feed rate"),
+              ghostspace_insitu.Parameter("kill", 0, 0.1, 0.048, label="Kill rate")]
 with ghostspace_insitu.Session(parameters=parameters, log=print, **session_options(options, "Gray-Scott")) as session:
     if options.serve:
         print("ghostspace --follow http://127.0.0.1:%d/" % session.port, flush=True)

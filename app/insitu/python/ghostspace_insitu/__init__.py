@@ -99,7 +99,8 @@ class _Options(ctypes.Structure):
                 ("token_file", ctypes.c_char_p), ("field", ctypes.c_char_p), ("error", ctypes.c_double),
                 ("relative_error", ctypes.c_double), ("max_share", ctypes.c_double), ("every", ctypes.c_int64),
                 ("max_memory", ctypes.c_uint64), ("threads", ctypes.c_int32), ("background", ctypes.c_int32),
-                ("log", _Log), ("log_context", ctypes.c_void_p)]
+                ("thin", ctypes.c_int32), ("reserved", ctypes.c_int32), ("log", _Log),
+                ("log_context", ctypes.c_void_p)]
 
 
 class _Parameter(ctypes.Structure):
@@ -263,7 +264,7 @@ class Session:
     """Session of a simulation. Methods marked "collective" must be called by all ranks in the same order.
 
     The keyword arguments are the members of gs_insitu_options (ghostspace/insitu.h): title, folder, serve, port, bind,
-    token_file, field, error, relative_error, max_share, every, max_memory, threads, background. `comm` is a
+    token_file, field, error, relative_error, max_share, every, max_memory, threads, background, thin. `comm` is a
     communicator of mpi4py, `parameters` a list of Parameter, and `log` a function that receives messages.
     """
 
@@ -272,7 +273,7 @@ class Session:
         self._library, self._handle, self._views = library, None, []
         values = _Options()
         library.gs_insitu_options_init(ctypes.byref(values), ctypes.sizeof(values))
-        known = {name for name, _ in _Options._fields_} - {"size", "log", "log_context"}
+        known = {name for name, _ in _Options._fields_} - {"size", "reserved", "log", "log_context"}
         for name, value in options.items():
             if name not in known:
                 raise TypeError("unknown option %r; expected one of %s" % (name, ", ".join(sorted(known))))
