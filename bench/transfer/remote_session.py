@@ -101,6 +101,7 @@ class Server:
 
     def __init__(self, scratch, way, file):
         self.way, self.file, self.account, self.process, self.path = way, file, None, None, None
+        self.made = False
         self.cache = pathlib.Path(tempfile.mkdtemp(dir=scratch, prefix="server-"))
         if way in ("ssh", "ssh-made"):
             self.account = Account(self.cache / "account", PROGRAM)
@@ -138,12 +139,12 @@ class Server:
             url = f"http://127.0.0.1:{self.port}/{self.file.name}.qnv"
             while subprocess.run(["curl", "-sf", "-r", "0-9", "-o", "/dev/null", url]).returncode != 0:
                 time.sleep(0.5)
-        elif self.way == "ssh-made" and not list(pathlib.Path(self.account.folder).glob("cache/ghostspace/archive/**/*.qnv")):
-            window = Window(scratch, self.target(self.port), path=self.path)
-            while window.seconds() < 900 and \
-                    not list(pathlib.Path(self.account.folder).glob("cache/ghostspace/archive/**/*.qnv")):
-                time.sleep(0.5)
-            window.end()
+        elif self.way == "ssh-made" and not self.made:
+            home = tempfile.mkdtemp(dir=scratch, prefix="home-")
+            environment = dict(os.environ, PATH=self.path + ":/usr/bin:/bin", HOME=home)
+            subprocess.run([PROGRAM, "fetch", "--timeout", "900", self.target(self.port) + ".qnv"], env=environment, check=True,
+                           stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            self.made = True
         return time.monotonic() - start
 
     def end(self):
