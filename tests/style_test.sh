@@ -54,7 +54,7 @@ belongs 'Dear ImGui' app/interface/ '[<"]imgui' app/interface/
 spidermonkey='[<"](js/|jsapi|jsfriendapi|app/script/(browser/|engine/|natives|script_world|program|assignments|script_(library|messages)))'
 belongs SpiderMonkey app/script/ "$spidermonkey" app/script/
 report "app/script/script_runner.h includes SpiderMonkey:" "$(grep -E "^app/script/script_runner\.h:.*#include $spidermonkey" <<<"$includes")"
-belongs MPI app/cluster/ '<mpi\.h>' app/cluster/
+belongs MPI app/cluster/ '<mpi\.h>' 'app/cluster/|app/insitu/include/'
 belongs OpenGL render/ '<GL/' render/
 report "Libraries never print, exit or abort:" \
   "$(sources vrml qnv net render base | xargs -r grep -nE 'std::(cout|cerr|exit|abort)|[^a-z_](printf|fprintf|puts)\(|[^_a-z]exit\(')"

@@ -5,7 +5,7 @@
 #include "app/formats/qnv/geometry_reader.h"
 #include "app/formats/volume/volume_common.h"
 #include "app/script/script_runner.h"
-#include "app/session/opening/live_control.h"
+#include "app/session/live/live_control.h"
 #include "base/gzip.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/sampling/volume/gradients.h"

@@ -2,7 +2,7 @@
 
 #include "app/formats/common/dataset_list.h"
 #include "app/formats/common/voxel_component.h"
-#include "app/session/opening/live_control.h"
+#include "app/session/live/live_control.h"
 
 #include <cstddef>
 #include <memory>

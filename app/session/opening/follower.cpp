@@ -1,7 +1,7 @@
 #include "app/session/opening/follower.h"
 
 #include "app/base/numbered_files.h"
-#include "app/session/opening/small_request.h"
+#include "app/session/live/small_request.h"
 #include "net/base/url.h"
 
 #include <sys/stat.h>

@@ -1,4 +1,4 @@
-#include "app/session/opening/live_control.h"
+#include "app/session/live/live_control.h"
 
 #include "net/control/control_token.h"
 #include "net/serve/http_server.h"

@@ -1,4 +1,4 @@
-#include "app/session/opening/small_request.h"
+#include "app/session/live/small_request.h"
 
 #include "net/base/url.h"
 #include "net/load/loader.h"
