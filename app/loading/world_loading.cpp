@@ -89,6 +89,12 @@ void WorldLoading::State::start() {
     loading.fetcher.set_policy(policy_of_world(place, loading.options.allowed));
   } else {
     for (const std::string& entry : zarr_entries_of_url(asked_path)) first->candidates.push_back(net::parse_url(entry));
+    first->together = first->candidates;
+    if (!first->together.empty()) {
+      net::Url consolidated = first->together.front();
+      consolidated.path = consolidated.path.substr(0, consolidated.path.rfind('/') + 1) + ".zmetadata";
+      first->together.push_back(std::move(consolidated));
+    }
     net::ReferencePolicy policy;
     if (asked.scheme == "ssh") policy.allow_ssh(asked);
     if (first->candidates.empty()) {

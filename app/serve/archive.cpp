@@ -6,6 +6,7 @@
 #include "app/serve/cell_archive.h"
 #include "app/serve/child_program.h"
 #include "app/serve/folder_world.h"
+#include "net/base/descriptor_limit.h"
 #include "net/base/host_names.h"
 
 #include <algorithm>
@@ -131,6 +132,13 @@ void serve_connected(net::HttpServerOptions& http, bool whole) {
   if (const char* home = std::getenv("HOME"); home && home[0] == '/') http.home = home;
 }
 
+// Returns the number of connections that the process can have, at most `wanted`: each needs a socket and a file.
+std::size_t possible_connections(std::size_t wanted) {
+  constexpr std::size_t kOtherDescriptors = 128;
+  const std::size_t limit = net::raise_descriptor_limit(2 * wanted + kOtherDescriptors);
+  return std::min(wanted, (limit - std::min(limit, kOtherDescriptors)) / 2);
+}
+
 std::string cell_metrics(const net::CellServerStatistics& cells) {
   std::string text;
   const auto add = [&text](const std::string& name, const char* type, std::uint64_t value) {
@@ -190,6 +198,11 @@ std::variant<std::unique_ptr<Archive>, std::string> Archive::start(const Archive
   http.port = options.http_port.value_or(0);
   if (options.standard_streams) serve_connected(http, whole);
   http.limits.total_rate = rate / 8;
+  http.limits.connections = possible_connections(options.connections);
+  if (http.limits.connections == 0) return "the limit of open files is too low (ulimit -n); expected at least 256";
+  if (http.limits.connections < options.connections && options.report)
+    options.report("ghostspace: the limit of open files allows " + std::to_string(http.limits.connections) +
+                   " connections; raise it with ulimit -n");
   http.max_age = options.max_age;
   http.type_of = served_type_of;
   http.host_names = options.host_names;

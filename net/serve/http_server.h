@@ -40,6 +40,16 @@ struct FolderRequest {
   std::string url;
 };
 
+/// Request with the method POST and without a body.
+struct PostRequest {
+  std::string path, query;    // as received, without '?'
+  std::string authorization;  // the field Authorization
+};
+struct PostAnswer {
+  int status = 200;
+  std::string message;  // for people
+};
+
 /// Generator of files: makes a file of one kind from another file on demand.
 struct Maker {
   std::string name;  // for metrics and cache keys; letters only
@@ -78,6 +88,8 @@ struct HttpServerOptions {
   std::function<FolderPage(const FolderListing& listing, const FolderRequest& request)> list;
   /// Returns a page for a name that does not exist. Returns nullopt for status 404. May be empty.
   std::function<std::optional<FolderPage>(const std::string& name, const FolderRequest& request)> missing;
+  /// Answers a POST request. Called on the server's thread; must check the rights of the client. If empty, status 405.
+  std::function<PostAnswer(const PostRequest& request)> post;
   /// Returns additional lines for /metrics.
   std::function<std::string()> more_metrics;
   /// Additional host names that the server answers to, if it checks names (HostNames).

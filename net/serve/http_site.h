@@ -20,6 +20,8 @@ namespace gs::net {
 struct HttpRequest {
   std::string method, target;  // both as received
   std::string range, accept, accept_encoding;
+  std::string authorization;  // for PostRequest
+  bool has_body = false;  // the request has a body, which is not read
   std::string within;  // path of a folder that links in the target must not leave; empty means no limit
   Conditions conditions;
   std::vector<std::string> hosts;  // values of the Host fields
@@ -77,6 +79,7 @@ class HttpSite {
   [[nodiscard]] Reply answer_here(const HttpRequest& request) const;
   [[nodiscard]] bool is_for_us(const HttpRequest& request) const;
   [[nodiscard]] std::variant<RequestPath, PathRefusal> path_of(const std::string& text) const;
+  [[nodiscard]] HttpAnswer post(const HttpRequest& request) const;
   [[nodiscard]] Reply get(const HttpRequest& request, const std::string& path, const std::string& query) const;
   [[nodiscard]] static FolderRequest request_of(const HttpRequest& request, RequestPath path, const std::string& query);
   [[nodiscard]] Reply folder(const HttpRequest& request, const RequestPath& path, const std::string& query) const;

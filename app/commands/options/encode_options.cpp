@@ -192,6 +192,8 @@ constexpr OptionRow kEncodeOptions[] = {
      "(0.1%). Of Gaussian splats: of the positions of large splats, as a percentage of their deviations (usually 5%); "
      "shapes and colours follow",
      "encode ", with<set_error>},
+    {"--resume", "", "", "of ghostspace-mpi: continue a run that ended early, with the same input and options",
+     "encode ", flag<&EncodeCommand::resume>},
     {"--lossless", "", "", "values of a volume: restore the stored voxels bit for bit; float64 is stored as float32",
      "encode ", with<set_lossless>},
     {"--parity", "SHARE", "",
