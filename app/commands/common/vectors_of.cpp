@@ -6,7 +6,6 @@
 #include "app/encode/surface_triangles.h"
 #include "app/encode/textured_surface.h"
 #include "app/formats/qnv/geometry_reader.h"
-#include "app/formats/volume/coarser_volume.h"
 #include "app/loading/updates/limit_report.h"
 #include "base/text.h"
 #include "qnv/codecs/encode.h"
@@ -217,10 +216,7 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
     if (gaussians) return encode(std::cref(*gaussians), request, progress);
     return encode(vectors, request, progress);
   }
-  const auto& whole = std::get<qnv::VolumeSource>(input.content);
-  const std::uint32_t step = options.most_voxels > 0 ? step_for_voxels(whole.layout, options.most_voxels) : 1;
-  const qnv::VolumeSource coarse = step > 1 ? thinned(whole, step) : qnv::VolumeSource{};
-  const qnv::VolumeSource& volume = step > 1 ? coarse : whole;
+  const auto& volume = std::get<qnv::VolumeSource>(input.content);
   if (keeps_values(options)) {
     if (volume.layout.type == qnv::VoxelType::f64 && !volume.layout.labels)
       complain("ghostspace: warning: %s: values of float64 are stored as float32", path.c_str());

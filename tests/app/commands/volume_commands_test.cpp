@@ -128,6 +128,7 @@ TEST_CASE("encode: keeps every nth voxel of a volume with --most-voxels") {
   const Run encoded = run("encode --lossless --most-voxels 600 " + quoted(volume) + " " + quoted(stream));
   INFO(encoded.output);
   REQUIRE(encoded.status == kDone);
+  CHECK(encoded.output.find("values of 512 voxels, exact") != std::string::npos);
   REQUIRE(run("export " + quoted(stream) + " " + quoted(out)).status == kDone);
   const ReadVolume fine(volume), coarse(out);
   REQUIRE(coarse.source.layout.dimensions == std::array<std::uint32_t, 3>{8, 8, 8});
