@@ -168,8 +168,8 @@ TEST_CASE("reads the finest splats of RAD") {
   CHECK(std::abs(splats.rotations[0].x) == Approx(std::sqrt(0.5f)).margin(0.01));
   REQUIRE(splats.degree == 1);
   CHECK(splats.harmonics[0].x == Approx(-2));               // of y, which changes its sign
-  CHECK(splats.harmonics[0].y == Approx(2));                // -127
-  CHECK(splats.harmonics[5].y == Approx(2 * 64 / 127.0f));  // of x
+  CHECK(splats.harmonics[3].y == Approx(2));                // -127 of the second splat
+  CHECK(splats.harmonics[2].y == Approx(2 * 64 / 127.0f));  // of x
 }
 
 TEST_CASE("reads coarser splats of a RAD file without its end") {

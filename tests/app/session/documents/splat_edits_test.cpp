@@ -128,6 +128,8 @@ TEST_CASE("the Splats panel crops, resets and asks before edits are lost") {
   CHECK(it.edits().edit().outside);
   REQUIRE(it.shows(300 - left));
   CHECK_FALSE(it.user.controller().may_close());
+  it.user.settle();
+  REQUIRE(it.user.sees("has changes that are not saved"));
   it.user.press(Key::escape);
   it.user.click("Reset all");
   CHECK(it.edits().edit().empty());
