@@ -224,7 +224,7 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
   curl().curl_easy_setopt(easy, CURLOPT_FOLLOWLOCATION, 0L);
   curl().curl_easy_setopt(easy, CURLOPT_HTTP_VERSION,
                           static_cast<long>(transfer.ssh ? CURL_HTTP_VERSION_1_1 : CURL_HTTP_VERSION_2TLS));
-  curl().curl_easy_setopt(easy, CURLOPT_PIPEWAIT, transfer.ssh ? 0L : 1L);
+  curl().curl_easy_setopt(easy, CURLOPT_PIPEWAIT, canonical->scheme == "https" ? 1L : 0L);
   curl().curl_easy_setopt(easy, CURLOPT_NOSIGNAL, 1L);
   curl().curl_easy_setopt(easy, CURLOPT_QUICK_EXIT, 1L);  // do not wait for a name server when a transfer ends
   curl().curl_easy_setopt(easy, CURLOPT_SUPPRESS_CONNECT_HEADERS, 1L);
@@ -277,6 +277,12 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
   add("If-None-Match", request.if_none_match);
   add("If-Modified-Since", request.if_modified_since);
   add("Accept", request.accept);
+  add("Authorization", request.authorization);
+  if (request.post) {
+    curl().curl_easy_setopt(easy, CURLOPT_POST, 1L);
+    curl().curl_easy_setopt(easy, CURLOPT_POSTFIELDSIZE, 0L);
+    curl().curl_easy_setopt(easy, CURLOPT_POSTFIELDS, "");
+  }
   if (transfer.ssh) add(kWithinField, request.within);
   curl().curl_easy_setopt(easy, CURLOPT_HTTPHEADER, transfer.headers.get());
 }

@@ -4,6 +4,7 @@
 #include "app/base/numbered_files.h"
 #include "app/commands/common/conversion_report.h"
 #include "app/commands/common/shared.h"
+#include "app/formats/volume/coarser_volume.h"
 #include "qnv/container/container.h"
 
 #include <utility>
@@ -51,6 +52,13 @@ std::optional<EncodeInput> open_encode_input(const ConversionOptions& options, P
   }
   auto input = steps.size() > 1 ? open_steps(options, steps) : open_input(options, steps.front());
   if (!input) return std::nullopt;
+  if (const auto problem = edit_input(options.splats, *input)) {
+    (void)fail(in + ": " + *problem);
+    return std::nullopt;
+  }
+  if (auto* const volume = std::get_if<qnv::VolumeSource>(&input->content); volume && options.most_voxels > 0)
+    if (const auto step = step_for_voxels(volume->layout, options.most_voxels); step > 1)
+      input->content = thinned(*volume, step);
   return EncodeInput{std::move(steps), std::move(*input)};
 }
 

@@ -5,6 +5,7 @@
 #include "app/commands/common/shared.h"
 #include "app/encode/surface_triangles.h"
 #include "app/encode/textured_surface.h"
+#include "app/formats/qnv/geometry_reader.h"
 #include "app/loading/updates/limit_report.h"
 #include "base/text.h"
 #include "qnv/codecs/encode.h"
@@ -185,6 +186,8 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
   if (options.isovalue && !values_of(input)) return not_a_volume(path);
   if (options.method == EncodeMethod::values && !std::holds_alternative<qnv::VolumeSource>(input.content))
     return EncodeError{"--method values applies to volumes only; leave it out"};
+  if (options.most_voxels > 0 && !std::holds_alternative<qnv::VolumeSource>(input.content))
+    return EncodeError{"--most-voxels applies to volumes only; leave it out"};
   const auto* const splats = std::get_if<qnv::Geometry>(&input.content);
   if (options.method == EncodeMethod::gaussians && !(splats && splats->as<qnv::Gaussians>()))
     return EncodeError{"--method gaussians applies to Gaussian splats only; leave it out"};

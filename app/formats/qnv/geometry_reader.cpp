@@ -358,6 +358,7 @@ std::optional<qnv::VolumeSource> open_volume_source(const ContentType& type, con
   from.local = file.local;
   from.read_files = file.origin.read_files;
   from.list_folder = file.origin.list_folder;
+  from.need = file.origin.need;
   Asset asset = type.read(from);
   auto* const source = std::get_if<qnv::VolumeSource>(&asset);
   return source ? std::optional(std::move(*source)) : std::nullopt;

@@ -25,11 +25,15 @@ VolumeResult open_without_header(const VolumeFile&) {
 constexpr VolumeFormat kVolumeFormats[] = {
     {{"DICOM", ".dcm .dicom .ima ", nullptr, "application/dicom", UpRule::patient_s}, is_dicom, open_datasets},
     {{"AVS field", ".fld ", nullptr, "application/x-avs-field"}, is_avs_field, open_avs_field},
-    {{"NRRD", ".nrrd .nhdr ", nullptr, "application/x-nrrd", UpRule::slices}, is_nrrd, open_nrrd},
+    {{"NRRD", ".nrrd .nhdr ", nullptr, "application/x-nrrd", UpRule::slices}, is_nrrd, open_nrrd, is_plain_nrrd},
     {{"MetaImage", ".mhd .mha ", nullptr, "application/x-metaimage", UpRule::patient_s},
      is_meta_image,
-     open_meta_image},
-    {{"NIfTI", ".nii .hdr .img ", nullptr, "application/x-nifti", UpRule::patient_r}, is_nifti, open_nifti},
+     open_meta_image,
+     is_plain_meta_image},
+    {{"NIfTI", ".nii .hdr .img ", nullptr, "application/x-nifti", UpRule::patient_r},
+     is_nifti,
+     open_nifti,
+     is_plain_nifti},
     {{"FITS", ".fits .fit .fts ", nullptr, "image/fits"}, is_fits, open_fits},
     {{"VTK ImageData", ".vti .pvti ", nullptr, "application/x-vtk-image-data"}, is_vti, open_vti},
     {{"VTK RectilinearGrid", ".vtr .pvtr ", nullptr, "application/x-vtk-rectilinear-grid"}, is_vtr, open_datasets},
@@ -37,11 +41,12 @@ constexpr VolumeFormat kVolumeFormats[] = {
     {{"ParaView collection", ".pvd ", nullptr, "application/x-paraview-collection"}, is_pvd, open_datasets},
     {{"VTK file series", ".series ", nullptr, "application/x-vtk-series"}, is_vtk_series, open_datasets},
     {{"SLC", ".slc ", nullptr, "application/x-slc"}, is_slc, open_slc},
-    {{"TIFF", ".tif .tiff .btf ", nullptr, "image/tiff", UpRule::slices, true}, is_tiff, open_datasets},
-    {{"HDF5", ".h5 .hdf5 .hdf .he5 .vtkhdf .nc4 ", nullptr, "application/x-hdf5"}, is_hdf5, open_datasets},
+    {{"TIFF", ".tif .tiff .btf ", nullptr, "image/tiff", UpRule::slices, true}, is_tiff, open_datasets, is_tiff},
+    {{"HDF5", ".h5 .hdf5 .hdf .he5 .vtkhdf .nc4 ", nullptr, "application/x-hdf5"}, is_hdf5, open_datasets, is_hdf5},
     {{"NetCDF", ".nc .cdf .nc3 .exo .ex2 .exii .e ", nullptr, "application/x-netcdf"},
      is_classic_netcdf,
-     open_datasets},
+     open_datasets,
+     is_classic_netcdf},
     {{"XDMF", ".xdmf .xmf ", nullptr, "model/x-xdmf"}, is_xdmf, open_datasets},
     {{"Zarr", ".zarr ", nullptr, "application/x-zarr", UpRule::slices}, is_zarr, open_datasets},
     {{"raw voxels", ".raw .vol ", nullptr, "application/x-volume", UpRule::slices}, nullptr, open_without_header},
@@ -155,6 +160,17 @@ std::optional<VoxelComponent> read_voxel_component(std::string_view text) {
   return error == std::errc() && end == text.data() + text.size() ? std::optional(component) : std::nullopt;
 }
 
+bool reads_by_parts(std::string_view name, std::span<const std::byte> first) {
+  const VolumeFormat* const format = is_gzip(first) ? nullptr : format_of(name, first);
+  return format && format->by_parts && format->by_parts(first);
+}
+
+bool may_read_by_parts(std::string_view name) {
+  if (lower_case(name).ends_with(".gz")) return false;
+  const VolumeFormat* const format = format_of(name, {});
+  return format && format->by_parts;
+}
+
 std::span<const VolumeFormat> volume_formats() { return kVolumeFormats; }
 
 VolumeResult open_raw(const VolumeFile& file, const RawVolume& raw) {
@@ -193,8 +209,10 @@ std::variant<qnv::VolumeSource, std::string> open_volume(const std::string& path
 std::variant<qnv::VolumeSource, std::string> open_volume_file(const std::string& path, const SharedBytes& bytes,
                                                               const RawVolume& raw, const VolumeOrigin& origin,
                                                               const WorldBudget& budget) {
-  if (bytes.file && origin.component.growing) bytes.file->tolerate_writes();
-  BytesResult unpacked = unpacked_file(path, bytes, budget);
+  if (bytes.file && (origin.component.growing || origin.need)) bytes.file->tolerate_writes();
+  SharedBytes content = bytes;
+  content.need = origin.need;
+  BytesResult unpacked = unpacked_file(path, content, budget);
   if (auto* problem = std::get_if<std::string>(&unpacked)) return std::move(*problem);
   const VolumeFile file{path,
                         origin.name.empty() ? path.substr(path.rfind('/') + 1) : origin.name,  // all if no '/'

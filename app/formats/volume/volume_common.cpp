@@ -84,11 +84,45 @@ void read_magnitudes(const StoredVoxels& voxels, const qnv::VolumeLayout& stored
   }
 }
 
+/// Makes a slice readable if a server has the file. `slice_voxels` are its voxels.
+bool have_slice(const StoredVoxels& voxels, std::uint64_t slice_voxels, std::uint32_t z) {
+  if (!voxels.content.need) return true;
+  const bool follow = voxels.plane > 0;
+  const std::uint64_t size = size_of(voxels.type), step = follow ? size : size * voxels.components;
+  const std::uint64_t begin = voxels.offset + slice_voxels * step * z;
+  if (!follow) return have_bytes(voxels.content.need, begin, slice_voxels * step);
+  NeededParts needed(voxels.content.need);
+  const std::uint64_t first = voxels.component.magnitude ? 0 : voxels.component.index;
+  const std::uint64_t end = voxels.component.magnitude ? voxels.components : first + 1;
+  for (std::uint64_t k = first; k < end; ++k)
+    if (!needed.add(begin + k * size * voxels.plane, slice_voxels * size)) return false;
+  return needed.finish();
+}
+
+/// Makes a box readable if a server has the file. `begin` is the offset of the first voxel, `step` its bytes.
+bool have_box(const StoredVoxels& voxels, std::uint64_t begin, std::size_t step,
+              const std::array<std::uint32_t, 3>& dimensions, const qnv::VoxelBox& box) {
+  if (!voxels.content.need) return true;
+  constexpr std::uint64_t kRowGap = 4096;
+  const std::uint64_t along = std::uint64_t{step} * box.step[0], row = std::uint64_t{step} * dimensions[0];
+  const std::uint64_t number = size_of(voxels.type);
+  const std::array<std::uint64_t, 2> steps{row * dimensions[1] * box.step[2], row * box.step[1]};
+  begin += box.first[2] * row * dimensions[1] + box.first[1] * row + box.first[0] * step;
+  NeededParts needed(voxels.content.need);
+  if (along > kRowGap) {
+    const std::array<std::uint64_t, 3> all{steps[0], steps[1], along};
+    const std::array<std::uint64_t, 3> samples{box.size[2], box.size[1], box.size[0]};
+    return needed.add_box(begin, all, samples, number) && needed.finish();
+  }
+  const std::array<std::uint64_t, 2> rows{box.size[2], box.size[1]};
+  return needed.add_box(begin, steps, rows, along * (box.size[0] - 1) + number) && needed.finish();
+}
+
 bool read_stored(const StoredVoxels& voxels, std::uint64_t slice_voxels, std::uint32_t z, std::span<std::byte> to) {
   const bool follow = voxels.plane > 0;  // the components follow each other
   const std::size_t size = size_of(voxels.type), step = follow ? size : size * voxels.components;
   const bool wide = voxels.type >= StoredType::u64;
-  if (to.size() != slice_voxels * (wide ? sizeof(double) : size)) return false;
+  if (to.size() != slice_voxels * (wide ? sizeof(double) : size) || !have_slice(voxels, slice_voxels, z)) return false;
   const std::byte* from = voxels.content.bytes.data() + voxels.offset + slice_voxels * step * z +
                           voxels.component.index * size * (follow ? voxels.plane : 1);
   if (wide) {
@@ -116,8 +150,9 @@ bool read_stored_box(const StoredVoxels& voxels, const std::array<std::uint32_t,
   const bool wide = voxels.type >= StoredType::u64;
   const std::size_t out = wide ? sizeof(double) : size;
   if (!qnv::lies_in(box, dimensions) || to.size() != qnv::voxel_count(box) * out) return false;
-  const std::byte* const begin = voxels.content.bytes.data() + voxels.offset +
-                                 voxels.component.index * size * (follow ? voxels.plane : 1);
+  const std::uint64_t first = voxels.offset + voxels.component.index * size * (follow ? voxels.plane : 1);
+  if (!have_box(voxels, first, step, dimensions, box)) return false;
+  const std::byte* const begin = voxels.content.bytes.data() + first;
   const std::size_t along = step * box.step[0];
   for (std::uint32_t z = 0; z < box.size[2]; ++z)
     for (std::uint32_t y = 0; y < box.size[1]; ++y) {
@@ -326,7 +361,7 @@ VolumeResult make_source(qnv::VolumeLayout layout, StoredVoxels voxels) {
     source.layout.missing.reset();
     source.read = [voxels = std::move(voxels), stored = std::move(layout), slice, slices](std::uint32_t z,
                                                                                           std::span<std::byte> to) {
-      if (z >= slices || to.size() != slice * sizeof(float)) return false;
+      if (z >= slices || to.size() != slice * sizeof(float) || !have_slice(voxels, slice, z)) return false;
       const std::size_t step = size_of(voxels.type) * (voxels.plane > 0 ? 1 : voxels.components);
       read_magnitudes(voxels, stored, voxels.content.bytes.data() + voxels.offset + slice * step * z, to);
       return !voxels.content.file || !voxels.content.file->changed();

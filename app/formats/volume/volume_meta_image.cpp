@@ -127,6 +127,13 @@ bool is_meta_image(std::span<const std::byte> bytes) {
   return false;
 }
 
+bool is_plain_meta_image(std::span<const std::byte> bytes) {
+  if (!is_meta_image(bytes)) return false;
+  qnv::VolumeLayout layout;
+  const MetaHeader header = read_meta_image_header(bytes, layout);
+  return lower_case(header.data_file) == "local" && header.binary && !header.compressed && header.end < bytes.size();
+}
+
 VolumeResult open_meta_image(const VolumeFile& file) {
   qnv::VolumeLayout layout;
   const MetaHeader header = read_meta_image_header(file.content.bytes, layout);

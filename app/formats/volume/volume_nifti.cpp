@@ -239,6 +239,11 @@ bool is_nifti(std::span<const std::byte> bytes) {
   return header && header->known_dimensions();
 }
 
+bool is_plain_nifti(std::span<const std::byte> bytes) {
+  const auto header = NiftiHeader::read(bytes);
+  return header && header->known_dimensions() && header->one_file();
+}
+
 VolumeResult open_nifti(const VolumeFile& file) {
   SharedBytes bytes = file.content;
   std::string name = lower_case(file.path);

@@ -264,6 +264,14 @@ bool is_detached_nrrd(std::span<const std::byte> bytes) {
   return is_nrrd(bytes) && read_nrrd_header(bytes, layout).detached;
 }
 
+bool is_plain_nrrd(std::span<const std::byte> bytes) {
+  const std::string_view text = text_of(bytes);
+  if (!is_nrrd(bytes) || (text.find("\n\n") == text.npos && text.find("\r\n\r\n") == text.npos)) return false;
+  qnv::VolumeLayout layout;
+  const NrrdHeader header = read_nrrd_header(bytes, layout);
+  return !header.detached && header.encoding == "raw" && header.line_skip == 0;
+}
+
 VolumeResult open_nrrd(const VolumeFile& file) {
   if (!is_nrrd(file.content.bytes)) return std::string("the file does not begin with NRRD000");
   qnv::VolumeLayout layout;

@@ -4,6 +4,7 @@
 #include "app/base/temporary_file.h"
 #include "app/formats/flow/flow_mesh.h"
 #include "app/formats/volume/coarser_volume.h"
+#include "app/loading/fetch/partial_file.h"
 #include "net/limits/clock.h"
 #include "qnv/codecs/octree/lod/lod_source.h"
 #include "qnv/codecs/payloads.h"
@@ -51,6 +52,33 @@ bool GeometryHandler::whole_file(const net::MappedFile& file, const std::string&
   return true;
 }
 
+bool GeometryHandler::take_parts(const PartsOffer& offer) {
+  if (way_ != Way::whole || loading_.options.loss > 0 || cut) return false;
+  const std::string name = file_name_of(found_);
+  if (!reads_by_parts(name, bytes_)) return false;
+  const auto file = std::make_shared<PartialFile>(name, offer, bytes_);
+  if (!file->problem().empty()) return false;
+  const std::vector<std::byte> front = std::exchange(bytes_, {});
+  drop_bytes();
+  read_parts(file, front);
+  return true;
+}
+
+void GeometryHandler::read_parts(const std::shared_ptr<PartialFile>& file, std::span<const std::byte> front) {
+  way_ = Way::done;
+  parts_ = file;
+  read_whole(front, file->path());
+  if (!has_more()) warn_of_trouble();
+}
+
+void GeometryHandler::warn_of_trouble() {
+  std::string trouble = parts_ ? parts_->trouble() : std::string();
+  if (trouble.empty() && array_trouble_) trouble = array_trouble_();
+  if (trouble.empty() || trouble == told_trouble_) return;
+  warn(": " + trouble);
+  told_trouble_ = std::move(trouble);
+}
+
 void GeometryHandler::read_whole(std::span<const std::byte> bytes, const std::string& path) {
   const ContentType& type = content_type_of(path, first_bytes(bytes));
   if (is_outline_stream(bytes))
@@ -77,6 +105,7 @@ void GeometryHandler::read_whole(std::span<const std::byte> bytes, const std::st
                                ? loading_.fetcher.files_for_views(found_.origin)
                                : loading_.fetcher.files_of(found_.origin);
   if (found_.local) file.origin.list_folder = lister_beside(path);
+  if (parts_) file.origin.need = [parts = parts_](std::span<const ByteSpan> wanted) { return parts->need(wanted); };
   if (type.content == ContentClass::volume) return read_volume(type, file);
   auto geometry = read_geometry(type, file, loading_.results.diagnostics(), loading_.limit, loading_.budget);
   if (!geometry) return;
@@ -171,8 +200,7 @@ void GeometryHandler::read_array() {
   if (array_->has_whole_overview() && !array_key_.empty()) overviews().keep(array_key_, array_->kept_overview());
   if (shows) show_(std::make_shared<const qnv::Geometry>(volume_of(array_)));
   if (!ends) return;
-  if (array_trouble_)
-    if (std::string trouble = array_trouble_(); !trouble.empty()) warn(": " + trouble);
+  warn_of_trouble();
   if (!shows) warn(": the volume has no values that can be read");
   array_.reset();
 }
@@ -183,7 +211,13 @@ bool GeometryHandler::show_next_version() {
   auto geometry = read_gradients(source, found_.path, !found_.local, loading_.results.diagnostics(), loading_.limit,
                                  loading_.budget);
   if (!geometry) return false;
-  if (auto* const volume = geometry->as<qnv::Volume>(); has_more() && volume && volume->values) {
+  auto* const volume = geometry->as<qnv::Volume>();
+  // Pictures are slices, which need no gradients.
+  const auto& sides = source.layout.dimensions;
+  const bool is_solid = std::all_of(sides.begin(), sides.end(), [](std::uint32_t side) { return side > 1; });
+  if (!has_more() && volume && volume->empty() && is_solid)
+    warn(": the voxels of the volume have one value, so it is invisible; slices (key V) show the value");
+  if (has_more() && volume && volume->values) {
     // These are values of fewer voxels, with an unknown error.
     const auto coarse = std::make_shared<qnv::VolumeValues>(*volume->values);
     coarse->exact = false;

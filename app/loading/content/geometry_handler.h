@@ -24,6 +24,8 @@ struct StreamProblem;
 
 namespace gs::app {
 
+class PartialFile;
+
 /// Content handler that decodes QNV streams and volumes, and splat files of other programs, while their bytes are
 /// received.
 class GeometryHandler final : public ResourceHandler {
@@ -49,6 +51,9 @@ class GeometryHandler final : public ResourceHandler {
   void receive_piece(const net::CellEvent& event) override;
   [[nodiscard]] bool has_more() const override { return array_ || !versions_.empty(); }
   void read_more() override;
+  bool take_parts(const PartsOffer& offer) override;
+  /// Reads a volume by parts. `front` has the first bytes of `file`.
+  void read_parts(const std::shared_ptr<PartialFile>& file, std::span<const std::byte> front);
   std::shared_ptr<StreamFeed> feed() override { return way_ == Way::done ? nullptr : feed_; }
 
  private:
@@ -74,6 +79,8 @@ class GeometryHandler final : public ResourceHandler {
   void read_array();
   /// Shows the next version of a volume. Returns false if it has nothing to show.
   bool show_next_version();
+  /// Warns of parts of the file that could not be received or read, once.
+  void warn_of_trouble();
   void report_problems(const std::vector<qnv::StreamProblem>& problems, Severity severity);
   /// Stops reading after a part exceeded the memory budget. That part is omitted.
   void give_up(Resource resource);
@@ -96,6 +103,8 @@ class GeometryHandler final : public ResourceHandler {
   std::size_t damaged_chunks_ = 0;
   std::shared_ptr<qnv::ArrayVolume> array_;       // volume of which the overview is not complete
   std::chrono::milliseconds array_patience_{0};   // for the next part of the overview
+  std::shared_ptr<PartialFile> parts_;            // file of a server that is read by parts, or null
+  std::string told_trouble_;
   std::string array_key_;                         // of its overview in the cache; empty if it is not kept
   std::function<std::string()> array_trouble_;    // VolumeSource::trouble of that volume
   std::deque<qnv::VolumeSource> versions_;  // of a volume, the coarsest first, that are not shown yet

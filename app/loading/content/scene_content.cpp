@@ -6,6 +6,7 @@
 #include "app/loading/content/geometry_handler.h"
 #include "app/loading/content/outline_reader.h"
 #include "app/loading/content/scene_target.h"
+#include "app/loading/fetch/partial_file.h"
 #include "base/gzip.h"
 #include "base/text.h"
 #include "vrml/syntax/scene_reader.h"
@@ -150,6 +151,11 @@ class VectorContent final : public SceneContent {
     geometry_->end(std::nullopt);
     if (!node_ && !is_mesh_) target_.refuse();
   }
+  bool take_parts(const PartsOffer& offer) override { return geometry_->take_parts(offer); }
+  /// Reads a volume by parts. `front` has the first bytes of `file`.
+  void read_parts(const std::shared_ptr<PartialFile>& file, std::span<const std::byte> front) {
+    geometry_->read_parts(file, front);
+  }
   void receive_piece(const net::CellEvent& event) override { geometry_->receive_piece(event); }
   [[nodiscard]] bool has_more() const override { return node_ && geometry_->has_more(); }
   void read_more() override { geometry_->read_more(); }
@@ -200,7 +206,25 @@ class DatasetContent final : public SceneContent {
     }
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
   }
+  bool take_parts(const PartsOffer& offer) override {
+    const std::string name = file_name(offer.place.url.path);
+    if (!reads_by_parts(name, bytes_)) return false;
+    const auto file = std::make_shared<PartialFile>(name, offer, bytes_);
+    if (!file->problem().empty()) return false;
+    // A mesh needs the whole file.
+    const ContentType& type = type_of(bytes_, file->path(), [file](auto parts) { return file->need(parts); });
+    if (type.content == ContentClass::mesh) return false;
+    target_.set_type(type);
+    const std::vector<std::byte> front = std::exchange(bytes_, {});
+    share_.shrink_to(0);
+    auto content = std::make_unique<VectorContent>(target_);
+    content->cut = cut;
+    content->read_parts(file, front);
+    content_ = std::move(content);
+    return true;
+  }
   void end(bool damaged) override {
+    if (content_) return content_->end(damaged);
     {
       // A child looks into the file before it is read.
       const Found& found = target_.found();
@@ -220,7 +244,7 @@ class DatasetContent final : public SceneContent {
   void read_more() override { content_->read_more(); }
 
  private:
-  void choose(std::span<const std::byte> bytes, const std::string& path) {
+  const ContentType& type_of(std::span<const std::byte> bytes, const std::string& path, NeedBytes need = {}) {
     Loading& loading = target_.loading();
     const Found& found = target_.found();
     const ReadFile read_file = loading.fetcher.reader_of(found.origin);
@@ -229,7 +253,12 @@ class DatasetContent final : public SceneContent {
     source.component = loading.options.component;
     if (!target_.is_root()) source.component.found.reset();
     source.local = true;
-    const ContentType& type = type_of_content(type_, source);
+    source.need = std::move(need);
+    return type_of_content(type_, source);
+  }
+
+  void choose(std::span<const std::byte> bytes, const std::string& path) {
+    const ContentType& type = type_of(bytes, path);
     target_.set_type(type);
     if (type.content == ContentClass::mesh)
       content_ = std::make_unique<MeshContent>(target_, type);

@@ -32,6 +32,7 @@ class SceneContent {
   [[nodiscard]] virtual bool has_more() const { return false; }
   virtual void read_more() {}
   virtual std::shared_ptr<StreamFeed> feed() { return nullptr; }
+  virtual bool take_parts(const PartsOffer&) { return false; }
   /// Returns the nodes with incomplete fields.
   [[nodiscard]] virtual std::vector<vrml::NodeId> open_nodes() const { return {}; }
 

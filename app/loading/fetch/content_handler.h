@@ -29,6 +29,7 @@ struct Found {
 };
 
 class SceneHandler;
+struct PartsOffer;
 
 /// Interface for the receiver of the bytes of one resource.
 class ContentHandler {
@@ -72,6 +73,10 @@ class ContentHandler {
   virtual std::shared_ptr<StreamFeed> feed() { return nullptr; }
   /// Reports that the feed takes all further bytes. The caller passes no more bytes and does not call `end`.
   virtual void leave_to_feed() {}
+
+  /// Offers the rest of a resource by parts, after its first bytes were received. Returns false to receive it in order.
+  /// Otherwise the caller passes no more bytes and calls `end`.
+  virtual bool take_parts(const PartsOffer&) { return false; }
 
   /// Reports that reading was stopped on purpose. `end` or `missing` came before.
   virtual void stopped() {}

@@ -83,6 +83,7 @@ LoadingState Fetcher::state() const {
   std::uint64_t left = 0;
   bool known = true;
   for (const auto& fetch : fetches_) {
+    if (fetch->parts) result.received += *fetch->parts;
     known = known && fetch->total;
     if (fetch->total) left += std::max(*fetch->total, fetch->received) - fetch->received;
   }
@@ -198,6 +199,10 @@ void Fetcher::begin_next_candidate(Fetch& fetch) {
       if (cells_.begin(fetch, url)) return;
       continue;
     }
+    if (!fetch.together.empty()) {
+      local_.push_back(&fetch);
+      return;
+    }
     return network_.begin(fetch);
   }
   ended_.push_back(&fetch);
@@ -233,6 +238,8 @@ bool Fetcher::begin_local(Fetch& fetch, const net::Url& url) {
     // A text inside another text has the same origin. A data: URL from the user may contain anyone's text, so it is
     // untrusted.
     found.origin = fetch.from.is_user() ? net::Origin{"data:", net::AddressSpace::global} : fetch.from;
+  } else if (!fetch.together.empty()) {
+    if (!begin_together(fetch, url, found)) return false;
   } else {
     found.local = true;
     const std::string name = fetch.given_path.empty() ? net::path_of_url(url) : fetch.given_path;
@@ -264,6 +271,31 @@ bool Fetcher::begin_local(Fetch& fetch, const net::Url& url) {
   fetch.received = size;
   loading_.ledger->receive(fetch.row, size, size);
   fetch.rest = {};
+  return true;
+}
+
+// Reads all files of `together` at once when the first candidate begins. Returns false if it does not exist.
+bool Fetcher::begin_together(Fetch& fetch, const net::Url& url, Found& found) {
+  if (!ahead_) {
+    ahead_ = served_files();
+    std::vector<net::Url> allowed;
+    for (const net::Url& one : fetch.together)
+      if (!policy_.refuse(fetch.from, one)) allowed.push_back(net::canonical_url(one).value_or(one));
+    ahead_->read_ahead(allowed, fetch.from);
+  }
+  const ServedFiles::Ahead* const known = ahead_->find_ahead(url);
+  const auto* const bytes = known ? std::get_if<SharedBytes>(&known->result) : nullptr;
+  if (!bytes || !known->head) {
+    const auto* const none = known ? std::get_if<NoFile>(&known->result) : nullptr;
+    const auto* const problem = known ? std::get_if<std::string>(&known->result) : nullptr;
+    fail_candidate(fetch, none ? none->why : problem ? *problem : net::url_for_messages(url.text()) + ": not read");
+    return false;
+  }
+  fetch.data.assign(bytes->bytes.begin(), bytes->bytes.end());
+  fetch.rest = fetch.data;
+  found.url = net::parse_url(known->head->url);
+  found.path = net::url_for_messages(known->head->url);
+  found.origin = known->head->origin();
   return true;
 }
 
@@ -356,6 +388,7 @@ void Fetcher::refine_step() {
   if (fetch.handler->has_more()) return;
   refining_.pop_front();
   ended_.push_back(&fetch);
+  if (fetch.parts) received_ += *std::exchange(fetch.parts, nullptr);
   loading_.ledger->end(fetch.row, LoadStage::whole);
   fetch.handler->tell_progress(1);
 }
@@ -388,8 +421,12 @@ ReadFiles Fetcher::files_of(const net::Origin& origin) {
   });
 }
 
+std::shared_ptr<ServedFiles> Fetcher::served_files() const {
+  return std::make_shared<ServedFiles>(network_.loader_options(), loading_.budget);
+}
+
 ReadFiles Fetcher::files_for_views(const net::Origin& origin) {
-  const auto served = std::make_shared<ServedFiles>(network_.loader_options(), loading_.budget);
+  const std::shared_ptr<ServedFiles> served = ahead_ ? std::exchange(ahead_, nullptr) : served_files();
   return files_by(origin, [served, origin](std::span<const WantedPart> wanted) { return served->read(wanted, origin); });
 }
 

@@ -53,6 +53,8 @@ class Fetcher {
   [[nodiscard]] ReadFiles files_of(const net::Origin& origin);
   /// Returns a function that reads several files for views, as long as they live and on any thread.
   [[nodiscard]] ReadFiles files_for_views(const net::Origin& origin);
+  /// Returns a reader of files of servers for views.
+  [[nodiscard]] std::shared_ptr<ServedFiles> served_files() const;
   /// Handles some received data, or waits for it for at most `wait`. Returns false if nothing is being read.
   bool step(std::chrono::milliseconds wait);
   // If no earlier fetch is running, the count of files starts again at 0.
@@ -82,6 +84,7 @@ class Fetcher {
  private:
   [[nodiscard]] bool has_ended(const Fetch& fetch) const;
   bool begin_local(Fetch& fetch, const net::Url& url);
+  bool begin_together(Fetch& fetch, const net::Url& url, Found& found);
   void local_step();
   void refine_step();
   void stop(const std::string& why);
@@ -96,6 +99,7 @@ class Fetcher {
   [[nodiscard]] ReadFiles files_by(const net::Origin& origin, ReadWanted read) const;
 
   net::ReferencePolicy policy_;
+  std::shared_ptr<ServedFiles> ahead_;  // has files that were read together; the first views use it
   NetworkTransfers network_;
   CellTransfers cells_;
   std::vector<std::unique_ptr<Fetch>> fetches_;  // incomplete fetches

@@ -1,6 +1,8 @@
 #include "app/loading/fetch/network_transfers.h"
 
+#include "app/formats/volume/volume.h"
 #include "app/loading/fetch/loading.h"
+#include "app/loading/fetch/partial_file.h"
 #include "net/load/transport.h"
 
 #include <algorithm>
@@ -48,7 +50,10 @@ void NetworkTransfers::begin(Fetch& fetch) {
   if (fetch.max_bytes != Fetch::kNoLimit) ranges = {{0, fetch.max_bytes}};
   const std::string& path = fetch.candidates[fetch.next - 1].path;
   const bool by_view = loading_.options.by_view || loading_.options.large_by_view || loading_.options.one_step;
-  const bool is_long = by_view && ranges.empty() && path.ends_with(".qnv");
+  // A file that grows is another version at each request.
+  const bool by_parts = (loading_.options.by_view || loading_.options.large_by_view) &&
+                        !loading_.options.component.growing && may_read_by_parts(path);
+  const bool is_long = ranges.empty() && ((by_view && path.ends_with(".qnv")) || by_parts);
   fetch.part = is_long ? Fetch::Part::front : Fetch::Part::all;
   if (is_long) ranges = {{0, kFrontBytes}};
   ask(fetch, std::move(ranges));
@@ -198,6 +203,22 @@ bool NetworkTransfers::take_front(Fetch& fetch, const net::LoadHead& head) {
   return false;
 }
 
+// Lets the handler read a file of datasets or voxels by parts. Returns false if it needs the file in order.
+bool NetworkTransfers::read_parts(Fetch& fetch) {
+  const net::Url& url = fetch.candidates[fetch.next - 1];
+  if (*fetch.total < PartialFile::kLeastFile || loading_.options.component.growing || !may_read_by_parts(url.path))
+    return false;
+  const auto counter = std::make_shared<std::atomic<std::uint64_t>>(0);
+  PartsOffer offer{{url, fetch.from, fetch.validator, *fetch.total}, loading_.fetcher.served_files(), counter};
+  if (fetch.refresh) offer.place.cache = net::CacheUse::reload;
+  if (!fetch.handler->take_parts(offer)) return false;
+  loading_.fetcher.count_received(counter->exchange(0));
+  fetch.total.reset();
+  fetch.parts = counter;
+  loading_.fetcher.finish(fetch, std::nullopt);
+  return true;
+}
+
 void NetworkTransfers::take_rest(Fetch& fetch) {
   fetch.part = Fetch::Part::all;
   RangedStream::Place place;
@@ -209,6 +230,7 @@ void NetworkTransfers::take_rest(Fetch& fetch) {
   place.ledger = loading_.ledger;
   place.row = fetch.row;
   std::shared_ptr<StreamFeed> feed = fetch.handler->feed();
+  if (!feed && read_parts(fetch)) return;
   if (feed) place.directory = feed->directory();
   const bool by_view = feed && !feed->requests()->in_stream_order() &&
                        (loading_.options.by_view || loading_.options.one_step || feed->takes_bytes());

@@ -71,6 +71,7 @@ class NetworkTransfers {
   void ask(Fetch& fetch, std::vector<net::ByteRange> ranges);
   void take(Fetch& fetch, net::LoadEvent& event);
   bool take_front(Fetch& fetch, const net::LoadHead& head);
+  bool read_parts(Fetch& fetch);
   void take_rest(Fetch& fetch);
   void end_request(Fetch& fetch);
 

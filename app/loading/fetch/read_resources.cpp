@@ -85,6 +85,7 @@ std::vector<FileResult> read_resources(net::Loader& loader, std::span<const Want
       const WantedPart& one = wanted[static_cast<std::size_t>(request - requests.begin())];
       if (const auto* const head = std::get_if<net::LoadHead>(&event.what)) {
         request->total = head->total;
+        if (hooks.head) hooks.head(static_cast<std::size_t>(request - requests.begin()), *head);
       } else if (const auto* const data = std::get_if<net::LoadData>(&event.what)) {
         if (!held->share.grow(data->bytes.size())) {
           finish(*request, budget->refusal(Resource::files));
@@ -116,6 +117,54 @@ std::vector<FileResult> read_resources(net::Loader& loader, std::span<const Want
   return results;
 }
 
+std::optional<RangesProblem> read_ranges(net::Loader& loader, const WantedRanges& wanted, const net::Origin& from,
+                                         const TakeBytes& take, const ReadingHooks& hooks) {
+  net::Request made;
+  made.url = without_fragment(wanted.url);
+  made.from = from;
+  made.cache = wanted.cache;
+  made.ranges = wanted.ranges;
+  made.validator = wanted.validator;
+  made.priority = static_cast<int>(Urgency::world) * kUrgencyStep;
+  const net::RequestId id = loader.request(std::move(made));
+  const RangesProblem changed{net::url_for_messages(wanted.url.text()) +
+                                  ": the file changed on the server; reload to get the new version",
+                              true};
+  std::optional<RangesProblem> problem;
+  bool open = true;
+  const auto end = [&](std::optional<RangesProblem> why) {
+    problem = std::move(why);
+    open = false;
+  };
+  while (open && !hooks.stopped()) {
+    for (net::LoadEvent& event : loader.poll()) {
+      if (event.id != id) {
+        if (hooks.other) hooks.other(std::move(event));
+        continue;
+      }
+      if (!open) continue;
+      if (const auto* const head = std::get_if<net::LoadHead>(&event.what)) {
+        if ((head->total && *head->total != wanted.total) ||
+            (!wanted.validator.empty() && !wanted.validator.agrees(head->validator)))
+          end(changed);
+      } else if (const auto* const data = std::get_if<net::LoadData>(&event.what)) {
+        if (hooks.received) hooks.received(data->bytes.size());
+        if (!take(data->offset, data->bytes)) end(RangesProblem{"the received bytes cannot be kept"});
+      } else if (std::holds_alternative<net::LoadRestarted>(event.what)) {
+        end(changed);
+      } else if (std::holds_alternative<net::LoadDone>(event.what)) {
+        end(std::nullopt);
+      } else if (const auto* const error = std::get_if<net::LoadError>(&event.what)) {
+        end(error->kind == net::LoadErrorKind::changed ? changed : RangesProblem{error->message});
+      }
+    }
+    if (open && loader.queued_bytes() == 0) hooks.wait();
+  }
+  loader.cancel(id);
+  if (open) problem = RangesProblem{"the time limit for loading was reached"};
+  return problem;
+}
+
 ServedFiles::ServedFiles(net::LoaderOptions settings, WorldBudget budget)
     : budget_(std::move(budget)), settings_(std::move(settings)) {
   settings_.wake = [waker = waker_] { waker->wake(); };
@@ -123,14 +172,60 @@ ServedFiles::ServedFiles(net::LoaderOptions settings, WorldBudget budget)
 
 ServedFiles::~ServedFiles() = default;
 
-std::vector<FileResult> ServedFiles::read(std::span<const WantedPart> wanted, const net::Origin& from) {
-  constexpr std::chrono::milliseconds kWait{50};
-  const std::lock_guard lock(mutex_);
+ReadingHooks ServedFiles::prepare() {
+  static constexpr std::chrono::milliseconds kWait{50};
   if (!loader_) loader_ = net::Loader::create(net::LoaderOptions(settings_));
   ReadingHooks hooks;
   hooks.stopped = [this] { return budget_->stopped(); };
-  hooks.wait = [&] { waker_->wait(kWait); };
-  return read_resources(*loader_, wanted, from, budget_, hooks);
+  hooks.wait = [this] { waker_->wait(kWait); };
+  return hooks;
+}
+
+std::vector<FileResult> ServedFiles::read(std::span<const WantedPart> wanted, const net::Origin& from) {
+  const std::lock_guard lock(mutex_);
+  const ReadingHooks hooks = prepare();
+  if (ahead_.empty()) return read_resources(*loader_, wanted, from, budget_, hooks);
+  std::vector<std::optional<FileResult>> known(wanted.size());
+  std::vector<WantedPart> rest;
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const auto found = wanted[i].part ? ahead_.end() : ahead_.find(without_fragment(wanted[i].url));
+    if (found == ahead_.end()) {
+      rest.push_back(wanted[i]);
+      continue;
+    }
+    known[i] = std::move(found->second.result);
+    ahead_.erase(found);
+  }
+  std::vector<FileResult> read;
+  if (!rest.empty()) read = read_resources(*loader_, rest, from, budget_, hooks);
+  std::vector<FileResult> results;
+  auto next = read.begin();
+  for (std::optional<FileResult>& one : known) results.push_back(one ? std::move(*one) : std::move(*next++));
+  return results;
+}
+
+void ServedFiles::read_ahead(std::span<const net::Url> urls, const net::Origin& from) {
+  const std::lock_guard lock(mutex_);
+  ReadingHooks hooks = prepare();
+  std::vector<std::optional<net::LoadHead>> heads(urls.size());
+  hooks.head = [&heads](std::size_t index, const net::LoadHead& head) { heads[index] = head; };
+  std::vector<WantedPart> wanted;
+  for (const net::Url& url : urls) wanted.push_back({url, std::nullopt});
+  std::vector<FileResult> results = read_resources(*loader_, wanted, from, budget_, hooks);
+  for (std::size_t i = 0; i < urls.size(); ++i)
+    ahead_.insert_or_assign(without_fragment(urls[i]), Ahead{std::move(results[i]), std::move(heads[i])});
+}
+
+const ServedFiles::Ahead* ServedFiles::find_ahead(const net::Url& url) const {
+  const auto found = ahead_.find(without_fragment(url));
+  return found == ahead_.end() ? nullptr : &found->second;
+}
+
+std::optional<RangesProblem> ServedFiles::read_ranges(const WantedRanges& wanted, const net::Origin& from,
+                                                      const TakeBytes& take) {
+  const std::lock_guard lock(mutex_);
+  const ReadingHooks hooks = prepare();
+  return app::read_ranges(*loader_, wanted, from, take, hooks);
 }
 
 }  // namespace gs::app

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "app/base/need_bytes.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -33,7 +35,13 @@ struct ArrayInfo {
   std::string type_name{};                // type as stored: "f32", "u16be", "2 x f64 (r, i)", "text"
   std::vector<std::uint64_t> chunk{};     // shape of the parts that are stored together, or none
   std::vector<std::string> dimensions{};  // name of each axis, or of none; a path if it is an array of the file
+  bool first_grows = false;               // programs may append along the first axis, for example steps
   std::string problem{};                  // reason why read() cannot work, or none
+};
+
+/// Box of elements of an array, slowest axis first.
+struct ArrayBox {
+  std::vector<std::uint64_t> first, count;
 };
 
 /// Open file of arrays. One thread at a time.
@@ -51,6 +59,8 @@ class ArrayFile {
   /// Returns an empty text, or a message.
   [[nodiscard]] virtual std::string read(std::size_t array, std::span<const std::uint64_t> first,
                                          std::span<const std::uint64_t> count, std::span<std::byte> to) = 0;
+  /// Receives the bytes of boxes together, if a server has the file. Reading the boxes reports problems.
+  virtual void prepare(std::size_t, std::span<const ArrayBox>) {}
   /// Returns the rows of an array of characters as texts; none if it is another array, or long.
   [[nodiscard]] virtual std::vector<std::string> texts(std::size_t array);
   /// Returns a message about parts that could not be read so far and are shown as missing, or an empty text.
@@ -62,6 +72,7 @@ inline std::vector<std::string> ArrayFile::texts(std::size_t) { return {}; }
 struct ArrayBytes {
   std::shared_ptr<const void> owner;
   std::span<const std::byte> bytes;
+  NeedBytes need{};  // makes bytes readable; null if all are
 };
 using ArrayFileResult = std::variant<std::shared_ptr<ArrayFile>, std::string>;
 
@@ -93,7 +104,7 @@ enum class ChunkCodec : std::uint8_t { blosc, lz4, bzip2, xz, lz4_block };
 
 /// Table of readers that the module exports, under the name kDatasetModuleEntry.
 struct DatasetModule {
-  static constexpr std::uint32_t kVersion = 3;  // changes with this header
+  static constexpr std::uint32_t kVersion = 4;  // changes with this header
   std::uint32_t version = kVersion;
   std::span<const ArrayReader> readers;
   std::span<const PictureDecoder> pictures;

@@ -77,10 +77,11 @@ double number_at(const std::byte* from, NumberType type) {
 /// Position in a header.
 class HeaderCursor {
  public:
-  HeaderCursor(std::span<const std::byte> bytes, int version) : bytes_(bytes), version_(version), at_(4) {}
+  HeaderCursor(const ArrayBytes& file, int version) : file_(file), bytes_(file.bytes), version_(version), at_(4) {}
 
   std::span<const std::byte> take(std::uint64_t count) {
     if (count > bytes_.size() - at_) throw BadHeader{"the header is truncated"};
+    if (!have_bytes(file_.need, at_, count)) throw BadHeader{"the header cannot be received"};
     const auto part = bytes_.subspan(at_, static_cast<std::size_t>(count));
     at_ += static_cast<std::size_t>(count);
     return part;
@@ -140,6 +141,7 @@ class HeaderCursor {
   }
 
  private:
+  const ArrayBytes& file_;
   std::span<const std::byte> bytes_;
   int version_;
   std::size_t at_;
@@ -157,7 +159,7 @@ class ClassicFile final : public ArrayFile {
 
   void read_header() {
     const int version = std::to_integer<int>(bytes_.bytes[3]);
-    HeaderCursor cursor(bytes_.bytes, version);
+    HeaderCursor cursor(bytes_, version);
     std::uint64_t records = cursor.count();
     const bool streaming = records == (version == 5 ? std::numeric_limits<std::uint64_t>::max() : 0xffffffff);
     struct Axis {
@@ -247,10 +249,7 @@ class ClassicFile final : public ArrayFile {
     }
     if (values * size != to.size()) return "the size differs";
     if (to.empty()) return {};
-    // Bytes from one element of an axis to the next.
-    std::vector<std::uint64_t> steps(rank, size);
-    for (std::size_t i = rank; i-- > 1;) steps[i - 1] = steps[i] * array.shape[i];
-    if (places_[number].records) steps[0] = record_bytes_;
+    const std::vector<std::uint64_t> steps = steps_of(number);
     // Trailing axes that are read as a whole form runs with the axis before them.
     std::size_t outer = rank;
     std::uint64_t run = 1;
@@ -263,6 +262,8 @@ class ClassicFile final : public ArrayFile {
     }
     std::uint64_t place = places_[number].begin;
     for (std::size_t i = 0; i < rank; ++i) place += first[i] * steps[i];
+    NeededParts needed(bytes_.need);
+    if (!needed.add_box(place, steps, count, size) || !needed.finish()) return "it cannot be received";
     std::vector<std::uint64_t> index(outer, 0);
     std::byte* next = to.data();
     for (;;) {
@@ -282,6 +283,20 @@ class ClassicFile final : public ArrayFile {
     }
   }
 
+  void prepare(std::size_t number, std::span<const ArrayBox> boxes) override {
+    if (!bytes_.need || number >= arrays_.size()) return;
+    const std::size_t rank = arrays_[number].shape.size();
+    const std::vector<std::uint64_t> steps = steps_of(number);
+    NeededParts needed(bytes_.need);
+    for (const ArrayBox& box : boxes) {
+      if (box.first.size() != rank || box.count.size() != rank) return;
+      std::uint64_t place = places_[number].begin;
+      for (std::size_t i = 0; i < rank; ++i) place += box.first[i] * steps[i];
+      if (!needed.add_box(place, steps, box.count, size_of(arrays_[number].type))) return;
+    }
+    (void)needed.finish();
+  }
+
   std::vector<std::string> texts(std::size_t number) override {
     constexpr std::uint64_t kMostBytes = 1 << 20;
     if (number >= arrays_.size() || arrays_[number].type_name != "text" || arrays_[number].shape.size() != 2) return {};
@@ -293,6 +308,7 @@ class ClassicFile final : public ArrayFile {
     for (std::uint64_t row = 0; row < rows; ++row) {
       const std::uint64_t at = place.begin + row * step;
       if (at > bytes_.bytes.size() || length > bytes_.bytes.size() - at) return {};
+      if (!have_bytes(bytes_.need, at, length)) return {};
       const std::string_view text(reinterpret_cast<const char*>(bytes_.bytes.data() + at),
                                   static_cast<std::size_t>(length));
       const std::size_t end = text.substr(0, text.find('\0')).find_last_not_of(' ');
@@ -302,6 +318,15 @@ class ClassicFile final : public ArrayFile {
   }
 
  private:
+  /// Returns the bytes from one element of an axis to the next one.
+  [[nodiscard]] std::vector<std::uint64_t> steps_of(std::size_t number) const {
+    const ArrayInfo& array = arrays_[number];
+    std::vector<std::uint64_t> steps(array.shape.size(), size_of(array.type));
+    for (std::size_t i = steps.size(); i-- > 1;) steps[i - 1] = steps[i] * array.shape[i];
+    if (places_[number].records) steps[0] = record_bytes_;
+    return steps;
+  }
+
   /// Returns the end of the values of a variable in the file.
   [[nodiscard]] std::uint64_t end_of(std::size_t number) const {
     const ArrayInfo& array = arrays_[number];

@@ -50,7 +50,7 @@ ArrayFileResult open_with_module(std::string_view reader, const SharedBytes& con
   const auto readers = std::get<const DatasetModule*>(module)->readers;
   const auto row = std::ranges::find(readers, reader, &ArrayReader::name);
   if (row == readers.end()) return "the module for scientific formats has no reader of " + std::string(reader);
-  return row->open({content.owner, content.bytes}, cache_bytes);
+  return row->open({content.owner, content.bytes, content.need}, cache_bytes);
 }
 
 }  // namespace gs::app

@@ -43,10 +43,26 @@ bool GridReader::read_stored(const qnv::VoxelBox& box, std::span<std::byte> to) 
   std::vector<std::uint64_t> first = slice_.first, count(slice_.first.size(), 1);
   if (component_axis_) first[*component_axis_] = component_;
   std::vector<std::byte> part;
-  const bool read = for_each_piece(box, chunk(), number, [&](const BoxPiece& piece) {
-    // The order of the axes in the array may be any.
+  // The order of the axes in the array may be any.
+  const auto choose = [&](const BoxPiece& piece) {
     for (std::size_t a = 0; a < 3; ++a)
       if (axes[a]) first[*axes[a]] = piece.voxels.first[a], count[*axes[a]] = piece.voxels.size[a];
+  };
+  if (slabs_->by_parts()) {
+    constexpr std::size_t kMostTogether = 4096;
+    std::vector<ArrayBox> boxes;
+    (void)for_each_piece(box, chunk(), number, [&](const BoxPiece& piece) {
+      choose(piece);
+      boxes.push_back({first, count});
+      if (boxes.size() < kMostTogether) return true;
+      slabs_->prepare(slice_.array, boxes);
+      boxes.clear();
+      return true;
+    });
+    if (!boxes.empty()) slabs_->prepare(slice_.array, boxes);
+  }
+  const bool read = for_each_piece(box, chunk(), number, [&](const BoxPiece& piece) {
+    choose(piece);
     if (!slabs_->read_part(slice_.array, first, count, part)) return false;
     std::vector<std::size_t> steps(count.size(), element);
     for (std::size_t i = count.size(); i-- > 1;) steps[i - 1] = steps[i] * static_cast<std::size_t>(count[i]);

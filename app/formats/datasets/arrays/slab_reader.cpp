@@ -96,6 +96,11 @@ bool SlabReader::read_part(std::size_t array, std::span<const std::uint64_t> fir
   return file_->read(array, first, count, to).empty();
 }
 
+void SlabReader::prepare(std::size_t array, std::span<const ArrayBox> boxes) {
+  const std::scoped_lock lock(mutex_);
+  file_->prepare(array, boxes);
+}
+
 void SlabReader::put_aside() {
   const std::scoped_lock lock(mutex_);
   if (content_.file && content_.bytes.size() >= kLargeFile) content_.file->put_aside(content_.bytes.size());

@@ -93,7 +93,7 @@ DatasetFileResult open_dataset_file(DatasetFormat format, const VolumeFile& file
   constexpr std::uint64_t kMostCache = std::uint64_t{64} << 20;
   const auto cache = static_cast<std::size_t>(std::min(file.budget->left(Resource::volumes) / 8, kMostCache));
   ArrayFileResult opened = format == DatasetFormat::netcdf
-                               ? open_classic_netcdf({file.content.owner, file.content.bytes})
+                               ? open_classic_netcdf({file.content.owner, file.content.bytes, file.content.need})
                                : open_with_module("HDF5", file.content, cache);
   if (auto* problem = std::get_if<std::string>(&opened)) return std::move(*problem);
   auto made = std::make_unique<TreeFile>(

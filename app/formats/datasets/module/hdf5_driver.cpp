@@ -13,26 +13,27 @@ namespace {
 
 constexpr const char* kMemoryName = "/bytes-in-memory";  // for a relative name, HDF5 asks for the current folder
 
-/// Bytes of a file, as the property of its driver.
-struct MemoryBytes {
-  const std::byte* data = nullptr;
-  std::size_t size = 0;
+/// Property of the driver.
+struct MemoryProperty {
+  Hdf5Source* source = nullptr;
 };
 
 struct MemoryFile {
   H5FD_t base{};  // first member, as HDF5 requires
-  MemoryBytes bytes;
+  Hdf5Source* source = nullptr;
   haddr_t end = 0;
+
+  [[nodiscard]] std::span<const std::byte> bytes() const { return source->bytes.bytes; }
 };
 
 MemoryFile* memory_file(H5FD_t* file) { return reinterpret_cast<MemoryFile*>(file); }
 const MemoryFile* memory_file(const H5FD_t* file) { return reinterpret_cast<const MemoryFile*>(file); }
 
 H5FD_t* open_memory(const char* name, unsigned flags, hid_t properties, haddr_t) {
-  const auto* const bytes = static_cast<const MemoryBytes*>(H5Pget_driver_info(properties));
-  if (!bytes || (flags & H5F_ACC_RDWR) != 0 || std::strcmp(name, kMemoryName) != 0) return nullptr;
+  const auto* const property = static_cast<const MemoryProperty*>(H5Pget_driver_info(properties));
+  if (!property || (flags & H5F_ACC_RDWR) != 0 || std::strcmp(name, kMemoryName) != 0) return nullptr;
   auto* const file = new (std::nothrow) MemoryFile;
-  if (file) file->bytes = *bytes;
+  if (file) file->source = property->source;
   return file ? &file->base : nullptr;
 }
 
@@ -42,7 +43,7 @@ herr_t close_memory(H5FD_t* file) {
 }
 
 int compare_memory(const H5FD_t* one, const H5FD_t* other) {
-  const auto *const a = memory_file(one)->bytes.data, *const b = memory_file(other)->bytes.data;
+  const auto *const a = memory_file(one)->bytes().data(), *const b = memory_file(other)->bytes().data();
   return a < b ? -1 : a > b ? 1 : 0;
 }
 
@@ -53,18 +54,24 @@ herr_t query_memory(const H5FD_t*, unsigned long* flags) {
 
 // A program that writes with SWMR allocates bytes behind the end that the file states.
 haddr_t end_of_allocation(const H5FD_t* file, H5FD_mem_t) {
-  return std::max<haddr_t>(memory_file(file)->end, memory_file(file)->bytes.size);
+  return std::max<haddr_t>(memory_file(file)->end, memory_file(file)->bytes().size());
 }
 herr_t set_end_of_allocation(H5FD_t* file, H5FD_mem_t, haddr_t end) {
   memory_file(file)->end = end;
   return 0;
 }
-haddr_t end_of_file(const H5FD_t* file, H5FD_mem_t) { return memory_file(file)->bytes.size; }
+haddr_t end_of_file(const H5FD_t* file, H5FD_mem_t) { return memory_file(file)->bytes().size(); }
 
-herr_t read_memory(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t place, std::size_t size, void* to) {
-  const MemoryBytes& bytes = memory_file(file)->bytes;
-  if (place > bytes.size || size > bytes.size - place) return -1;
-  std::memcpy(to, bytes.data + place, size);
+herr_t read_memory(H5FD_t* file, H5FD_mem_t type, hid_t, haddr_t place, std::size_t size, void* to) {
+  Hdf5Source& source = *memory_file(file)->source;
+  const std::span<const std::byte> bytes = source.bytes.bytes;
+  if (place > bytes.size() || size > bytes.size() - place) return -1;
+  if (source.looked_up && type == H5FD_MEM_DRAW) {
+    source.looked_up->push_back({place, size});
+    return -1;
+  }
+  if (!have_bytes(source.bytes.need, place, size)) return -1;
+  std::memcpy(to, bytes.data() + place, size);
   return 0;
 }
 herr_t write_memory(H5FD_t*, H5FD_mem_t, hid_t, haddr_t, std::size_t, const void*) { return -1; }
@@ -74,7 +81,7 @@ H5FD_class_t memory_driver() {
   driver.name = "ghostspace_memory";
   driver.maxaddr = (haddr_t{1} << 62) - 1;
   driver.fc_degree = H5F_CLOSE_STRONG;
-  driver.fapl_size = sizeof(MemoryBytes);
+  driver.fapl_size = sizeof(MemoryProperty);
   driver.open = open_memory;
   driver.close = close_memory;
   driver.cmp = compare_memory;
@@ -128,9 +135,9 @@ std::string hdf5_problem(std::string otherwise) {
   return found.empty() ? std::move(otherwise) : otherwise + " (" + found + ")";
 }
 
-Hdf5Handle open_hdf5_bytes(std::span<const std::byte> bytes) {
+Hdf5Handle open_hdf5_bytes(Hdf5Source& source) {
   const Hdf5Handle properties(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  const MemoryBytes memory{bytes.data(), bytes.size()};
+  const MemoryProperty memory{&source};
   if (!properties || H5Pset_driver(properties.get(), memory_driver_id(), &memory) < 0 ||
       H5Pset_fclose_degree(properties.get(), H5F_CLOSE_STRONG) < 0)
     return {};

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace gs::app {
 
@@ -46,7 +47,13 @@ class Hdf5Scope {
 /// Returns the innermost message of the last failure, or `otherwise`.
 [[nodiscard]] std::string hdf5_problem(std::string otherwise);
 
-/// Opens a file in memory, read only. `bytes` must outlive the handle.
-[[nodiscard]] Hdf5Handle open_hdf5_bytes(std::span<const std::byte> bytes);
+/// Bytes of a file for the driver. One thread at a time.
+struct Hdf5Source {
+  ArrayBytes bytes;
+  std::vector<ByteSpan>* looked_up = nullptr;  // if set, reads of values fail, and their places are added
+};
+
+/// Opens a file in memory, read only. `source` must outlive the handle and keep its address.
+[[nodiscard]] Hdf5Handle open_hdf5_bytes(Hdf5Source& source);
 
 }  // namespace gs::app

@@ -1,10 +1,12 @@
 #include "app/formats/datasets/module/hdf5_file.h"
 
+#include "app/formats/datasets/module/hdf5_parts.h"
 #include "app/formats/datasets/module/hdf5_types.h"
 
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <memory>
 #include <utility>
 
 namespace gs::app {
@@ -93,8 +95,8 @@ std::vector<std::string> dimension_names(hid_t dataset, const std::string& path,
 
 class Hdf5File final : public ArrayFile {
  public:
-  Hdf5File(ArrayBytes bytes, Hdf5Handle file, std::size_t cache_bytes)
-      : bytes_(std::move(bytes)), file_(std::move(file)), cache_bytes_(cache_bytes) {}
+  Hdf5File(std::unique_ptr<Hdf5Source> source, Hdf5Handle file, std::size_t cache_bytes)
+      : source_(std::move(source)), file_(std::move(file)), cache_bytes_(cache_bytes) {}
   ~Hdf5File() override {
     const Hdf5Scope scope;
     open_.clear();
@@ -145,9 +147,27 @@ class Hdf5File final : public ArrayFile {
         return hdf5_problem("the part cannot be chosen");
       memory = {H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr), H5Sclose};
     }
+    if (source_->bytes.need) {
+      const ArrayBox box{{first.begin(), first.end()}, {count.begin(), count.end()}};
+      if (!hdf5_need_boxes(*source_, dataset, type.get(), array, {&box, 1})) return "it cannot be received";
+    }
     if (H5Dread(dataset, memory_type.get(), memory.get(), space.get(), H5P_DEFAULT, to.data()) < 0)
       return hdf5_problem("it cannot be decoded");
     return {};
+  }
+
+  void prepare(std::size_t number, std::span<const ArrayBox> boxes) override {
+    const Hdf5Scope scope;
+    if (!source_->bytes.need || number >= arrays_.size() || !arrays_[number].problem.empty()) return;
+    const ArrayInfo& array = arrays_[number];
+    for (const ArrayBox& box : boxes) {
+      if (box.first.size() != array.shape.size() || box.count.size() != array.shape.size()) return;
+      for (std::size_t i = 0; i < box.first.size(); ++i)
+        if (box.count[i] == 0 || box.first[i] >= array.shape[i] || box.count[i] > array.shape[i] - box.first[i]) return;
+    }
+    const hid_t dataset = dataset_of(number);
+    const Hdf5Handle type(dataset >= 0 ? H5Dget_type(dataset) : H5I_INVALID_HID, H5Tclose);
+    if (type) (void)hdf5_need_boxes(*source_, dataset, type.get(), array, boxes);
   }
 
   std::vector<std::string> texts(std::size_t number) override {
@@ -200,8 +220,9 @@ class Hdf5File final : public ArrayFile {
       return array;
     }
     describe_hdf5_type(type.get(), array);
-    std::array<hsize_t, H5S_MAX_RANK> sizes{};
-    const int rank = H5Sget_simple_extent_dims(space.get(), sizes.data(), nullptr);
+    std::array<hsize_t, H5S_MAX_RANK> sizes{}, maxima{};
+    const int rank = H5Sget_simple_extent_dims(space.get(), sizes.data(), maxima.data());
+    array.first_grows = rank > 0 && maxima[0] == H5S_UNLIMITED;
     for (int i = 0; i < rank; ++i) array.shape.push_back(sizes[static_cast<std::size_t>(i)]);
     if (H5Sget_simple_extent_type(space.get()) == H5S_NULL) {
       array.shape = {0};
@@ -240,7 +261,7 @@ class Hdf5File final : public ArrayFile {
     return open_.back().second.get();
   }
 
-  ArrayBytes bytes_;
+  std::unique_ptr<Hdf5Source> source_;
   Hdf5Handle file_;
   std::size_t cache_bytes_;
   std::vector<ArrayInfo> arrays_;
@@ -252,9 +273,10 @@ class Hdf5File final : public ArrayFile {
 
 ArrayFileResult open_hdf5_arrays(ArrayBytes bytes, std::size_t cache_bytes) {
   const Hdf5Scope scope;
-  Hdf5Handle handle = open_hdf5_bytes(bytes.bytes);
+  auto source = std::make_unique<Hdf5Source>(Hdf5Source{std::move(bytes)});
+  Hdf5Handle handle = open_hdf5_bytes(*source);
   if (!handle) return hdf5_problem("the file is damaged or truncated");
-  auto file = std::make_shared<Hdf5File>(std::move(bytes), std::move(handle), cache_bytes);
+  auto file = std::make_shared<Hdf5File>(std::move(source), std::move(handle), cache_bytes);
   if (std::string problem = file->list(); !problem.empty()) return problem;
   return std::shared_ptr<ArrayFile>(std::move(file));
 }

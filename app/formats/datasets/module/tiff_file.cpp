@@ -3,6 +3,7 @@
 #include "app/formats/datasets/module/tiff_pages.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstring>
 #include <optional>
@@ -53,6 +54,7 @@ class TiffArrays final : public ArrayFile {
     std::size_t number = 0;
     do {
       add_page(static_cast<double>(number));
+      foresee_directories();
     } while (++number < kMostPages && TIFFReadDirectory(file_.get()));
     if (series_.empty()) return file_.problem("no page that can be read");
     add_pages_of_imagej();
@@ -104,6 +106,7 @@ class TiffArrays final : public ArrayFile {
       const TiffPage& page = series.pages[first[0] + i];
       const std::span<std::byte> out = to.subspan(i * page_bytes, page_bytes);
       if (page.pixels) {
+        if (!have_pixels(series, *page.pixels, box)) return "a page cannot be received";
         copy_pixels(series, *page.pixels, box, out);
         continue;
       }
@@ -121,6 +124,21 @@ class TiffArrays final : public ArrayFile {
   }
 
  private:
+  /// Receives the next directories together if those before are at even distances, for a file on a server.
+  void foresee_directories() {
+    constexpr std::uint64_t kAhead = 64, kDirectoryBytes = 1024;
+    const std::uint64_t here = TIFFCurrentDirOffset(file_.get()), size = file_.bytes().size();
+    const std::uint64_t step = here - last_directories_[0];
+    const bool even = here > last_directories_[0] && last_directories_[0] - last_directories_[1] == step;
+    last_directories_ = {here, last_directories_[0]};
+    if (!file_.need() || !even || here < foreseen_ || step < kDirectoryBytes) return;
+    NeededParts needed(file_.need());
+    for (std::uint64_t i = 1; i <= kAhead && here + i * step + kDirectoryBytes <= size; ++i)
+      if (!needed.add(here + i * step, kDirectoryBytes)) return;
+    (void)needed.finish();  // reading the directories reports problems
+    foreseen_ = here + kAhead * step;
+  }
+
   void add_page(double number) {
     TIFF* const tiff = file_.get();
     std::uint32_t kind = 0;
@@ -188,6 +206,14 @@ class TiffArrays final : public ArrayFile {
     }
   }
 
+  [[nodiscard]] bool have_pixels(const TiffSeries& series, std::uint64_t begin, const TiffBox& box) const {
+    const std::uint64_t pixel = size_of(series.form.type) * series.form.parts, row = pixel * series.form.width;
+    NeededParts needed(file_.need());
+    for (std::uint32_t y = 0; y < box.height; ++y)
+      if (!needed.add(begin + (std::uint64_t{box.y} + y) * row + box.x * pixel, box.width * pixel)) return false;
+    return needed.finish();
+  }
+
   void copy_pixels(const TiffSeries& series, std::uint64_t begin, const TiffBox& box, std::span<std::byte> to) const {
     const std::size_t size = size_of(series.form.type), pixel = size * series.form.parts;
     const auto bytes = file_.bytes();
@@ -202,6 +228,8 @@ class TiffArrays final : public ArrayFile {
   TiffHandle file_;
   bool is_imagej_ = false;
   std::uint64_t current_ = 0;  // page that was read last, or 0
+  std::array<std::uint64_t, 2> last_directories_{};  // offsets, the last one first
+  std::uint64_t foreseen_ = 0;                       // end of the directories that were received ahead
   std::vector<TiffSeries> series_;
   std::vector<ArrayInfo> arrays_;
   std::vector<std::string> groups_;

@@ -155,20 +155,40 @@ std::string read_blocks(TiffHandle& file, const TiffForm& form, const TiffBox& b
   std::vector<std::byte> block(size);
   const std::uint16_t planes = form.apart ? form.samples : std::uint16_t{1};
   const std::uint32_t first_x = box.x / width * width, first_y = box.y / height * height;
-  for (std::uint16_t plane = 0; plane < planes; ++plane)
-    for (std::uint64_t y = first_y; y < std::uint64_t{box.y} + box.height; y += height)
-      for (std::uint64_t x = first_x; x < std::uint64_t{box.x} + box.width; x += width) {
-        const auto left = static_cast<std::uint32_t>(x), top = static_cast<std::uint32_t>(y);
+  const auto visit = [&](const auto& read) -> std::string {
+    for (std::uint16_t plane = 0; plane < planes; ++plane)
+      for (std::uint64_t y = first_y; y < std::uint64_t{box.y} + box.height; y += height)
+        for (std::uint64_t x = first_x; x < std::uint64_t{box.x} + box.width; x += width) {
+          std::string problem = read(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), plane);
+          if (!problem.empty()) return problem;
+        }
+    return {};
+  };
+  const auto number = [&](std::uint32_t left, std::uint32_t top, std::uint16_t plane) {
+    return form.tiled ? TIFFComputeTile(tiff, left, top, 0, plane) : TIFFComputeStrip(tiff, top, plane);
+  };
+  if (file.need()) {
+    // All blocks of the box at once.
+    NeededParts needed(file.need());
+    std::string problem = visit([&](std::uint32_t left, std::uint32_t top, std::uint16_t plane) {
+      const std::uint32_t block_number = number(left, top, plane);
+      const bool good =
+          needed.add(TIFFGetStrileOffset(tiff, block_number), TIFFGetStrileByteCount(tiff, block_number));
+      return std::string(good ? "" : "a strip or tile cannot be received");
+    });
+    if (problem.empty() && !needed.finish()) problem = "a strip or tile cannot be received";
+    if (!problem.empty()) return problem;
+  }
+  return visit([&](std::uint32_t left, std::uint32_t top, std::uint16_t plane) -> std::string {
         const std::uint32_t rows = form.tiled ? height : std::min(height, form.height - top);
         const auto bytes = static_cast<tmsize_t>(form.tiled ? size : rows * row_bytes);
         file.forget_problem();
-        const tmsize_t got =
-            form.tiled ? TIFFReadEncodedTile(tiff, TIFFComputeTile(tiff, left, top, 0, plane), block.data(), bytes)
-                       : TIFFReadEncodedStrip(tiff, TIFFComputeStrip(tiff, top, plane), block.data(), bytes);
+        const tmsize_t got = form.tiled ? TIFFReadEncodedTile(tiff, number(left, top, plane), block.data(), bytes)
+                                        : TIFFReadEncodedStrip(tiff, number(left, top, plane), block.data(), bytes);
         if (got < bytes) return file.problem("a strip or tile cannot be read");
         copy_block(form, {block, left, top, width, rows, row_bytes}, plane, box, to);
-      }
-  return {};
+        return {};
+      });
 }
 
 /// Reads a page through the conversion of libtiff to red, green, blue and opacity.
@@ -233,6 +253,7 @@ tmsize_t TiffHandle::read(thandle_t handle, void* to, tmsize_t size) {
   const std::uint64_t all = file.bytes_.bytes.size();
   const std::uint64_t there = file.at_ < all ? all - file.at_ : 0;
   const std::uint64_t count = std::min<std::uint64_t>(there, size > 0 ? static_cast<std::uint64_t>(size) : 0);
+  if (!have_bytes(file.bytes_.need, file.at_, count)) return -1;
   if (count > 0) std::memcpy(to, file.bytes_.bytes.data() + file.at_, count);
   file.at_ += count;
   return static_cast<tmsize_t>(count);
@@ -252,6 +273,7 @@ int TiffHandle::close(thandle_t) { return 0; }
 toff_t TiffHandle::size(thandle_t handle) { return static_cast<TiffHandle*>(handle)->bytes_.bytes.size(); }
 
 int TiffHandle::map(thandle_t handle, void** base, toff_t* size) {
+  if (static_cast<TiffHandle*>(handle)->bytes_.need) return 0;
   const auto bytes = static_cast<TiffHandle*>(handle)->bytes_.bytes;
   *base = const_cast<std::byte*>(bytes.data());
   *size = bytes.size();

@@ -47,6 +47,8 @@ class TiffHandle {
 
   [[nodiscard]] TIFF* get() const { return tiff_; }
   [[nodiscard]] std::span<const std::byte> bytes() const { return bytes_.bytes; }
+  /// Returns the function that makes bytes readable, or null.
+  [[nodiscard]] const NeedBytes& need() const { return bytes_.need; }
   /// Returns the last message, or `otherwise`.
   [[nodiscard]] std::string problem(const char* otherwise) const;
   void forget_problem() { problem_.clear(); }

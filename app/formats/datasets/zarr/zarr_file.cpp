@@ -86,48 +86,58 @@ class ZarrFile::Finder {
 
   /// Returns a message if there is no container.
   std::string find() {
-    const auto root = read_nodes({{""}});
+    const auto root = read_nodes({{"", NodeKind::any}});
     if (root.front().index() == 1) return std::get<std::string>(root.front());
     version_ = std::get<ZarrNode>(root.front()).version;
     add("", std::get<ZarrNode>(root.front()));
     while (!waiting_.empty() && nodes_ < kMostZarrNodes) {
-      std::vector<std::string> paths;
+      std::vector<Waiting> nodes;
       constexpr std::size_t kAtOnce = 16;
-      while (!waiting_.empty() && paths.size() < kAtOnce) {
-        paths.push_back(std::move(waiting_.front()));
+      while (!waiting_.empty() && nodes.size() < kAtOnce) {
+        nodes.push_back(std::move(waiting_.front()));
         waiting_.pop_front();
       }
-      const auto found = read_nodes(paths);
-      for (std::size_t i = 0; i < paths.size(); ++i)
-        if (const auto* const node = std::get_if<ZarrNode>(&found[i])) add(paths[i], *node);
+      const auto found = read_nodes(nodes);
+      for (std::size_t i = 0; i < nodes.size(); ++i)
+        if (const auto* const node = std::get_if<ZarrNode>(&found[i])) add(nodes[i].path, *node);
     }
     return {};
   }
 
  private:
   using Found = std::variant<ZarrNode, std::string>;
+  /// Kind of a node, if other nodes state it: a level of an image, or a group of labels.
+  enum class NodeKind : std::uint8_t { any, level, labels };
+  struct Waiting {
+    std::string path;
+    NodeKind kind = NodeKind::any;
+  };
 
-  /// Returns true if nodes of this container may have a metadata file, by its index in kZarrMetadataFiles.
-  [[nodiscard]] bool may_have(std::size_t file) const {
+  /// Returns true if a node may have a metadata file, by its index in kZarrMetadataFiles. Servers are not asked for
+  /// files of version 2 that add nothing.
+  [[nodiscard]] bool may_have(NodeKind kind, std::size_t file) const {
     static constexpr int kVersions[] = {3, 2, 2, 2, 2, 0};
-    return !version_ || *version_ == kVersions[file];
+    constexpr std::size_t kAttributes = 2, kArray = 4;
+    if (version_ && *version_ != kVersions[file]) return false;
+    if (version_ != 2 || !file_.place_.remote || kind == NodeKind::any) return true;
+    return file == (kind == NodeKind::level ? kArray : kAttributes);
   }
 
   /// Reads the metadata files of nodes, all at once.
-  std::vector<Found> read_nodes(const std::vector<std::string>& paths) {
+  std::vector<Found> read_nodes(const std::vector<Waiting>& nodes) {
     constexpr std::size_t kFiles = std::size(kZarrMetadataFiles);
     std::vector<FileRequest> requests;
-    for (const std::string& path : paths)
+    for (const auto& [path, kind] : nodes)
       for (std::size_t i = 0; i < kFiles; ++i)
-        if (may_have(i)) requests.push_back({net::reference_of_path(zarr_path(path, kZarrMetadataFiles[i]))});
+        if (may_have(kind, i)) requests.push_back({net::reference_of_path(zarr_path(path, kZarrMetadataFiles[i]))});
     std::vector<FileResult> results = file_.place_.read(requests);
     results.resize(requests.size(), std::string("its metadata were not read"));
     std::vector<Found> found;
     auto next = results.begin();
-    for (const std::string& path : paths) {
+    for (const auto& [path, kind] : nodes) {
       std::vector<FileResult> files(kFiles, NoFile());
       for (std::size_t i = 0; i < kFiles; ++i)
-        if (may_have(i)) files[i] = std::move(*next++);
+        if (may_have(kind, i)) files[i] = std::move(*next++);
       found.push_back(node_of(path, files));
     }
     return found;
@@ -197,12 +207,12 @@ class ZarrFile::Finder {
       for (ZarrLevel& level : image.levels) {
         const auto place = tidy_path(zarr_path(path, level.path));
         level.path = place ? "/" + *place : std::string();
-        if (place) waiting_.push_back(*place);
+        if (place) waiting_.push_back({*place, NodeKind::level});
       }
       std::erase_if(image.levels, [](const ZarrLevel& level) { return level.path.empty(); });
       if (image.levels.empty()) continue;
       file_.images_.push_back(std::move(image));
-      waiting_.push_back(zarr_path(path, "labels"));
+      waiting_.push_back({zarr_path(path, "labels"), NodeKind::labels});
       listed = true;
     }
     listed = add_named(path, node) || listed;
@@ -246,7 +256,7 @@ class ZarrFile::Finder {
       for (const json& one : list) {
         const json& name = member ? zarr_member(one, member) : one;
         if (!name.is_string() || waiting_.size() > kMostZarrNodes) continue;
-        if (const auto place = tidy_path(zarr_path(path, name.get<std::string>()))) waiting_.push_back(*place);
+        if (const auto place = tidy_path(zarr_path(path, name.get<std::string>()))) waiting_.push_back({*place});
         named = true;
       }
     };
@@ -255,7 +265,7 @@ class ZarrFile::Finder {
     add_all(zarr_member(zarr_member(ome, "plate"), "wells"), "path");
     add_all(zarr_member(zarr_member(ome, "well"), "images"), "path");
     if (zarr_member(ome, "bioformats2raw.layout").is_number()) {
-      waiting_.push_back(zarr_path(path, "0"));
+      waiting_.push_back({zarr_path(path, "0")});
       named = true;
     }
     return named;
@@ -270,7 +280,7 @@ class ZarrFile::Finder {
       if (!name.empty() && name[0] != '.' && !name.ends_with(".json")) sorted.push_back(name);
     std::ranges::sort(sorted);
     for (const std::string& name : sorted)
-      if (waiting_.size() < kMostZarrNodes) waiting_.push_back(zarr_path(path, name));
+      if (waiting_.size() < kMostZarrNodes) waiting_.push_back({zarr_path(path, name)});
   }
 
   void add_array(const std::string& path, const ZarrNode& node) {
@@ -310,7 +320,7 @@ class ZarrFile::Finder {
   }
 
   ZarrFile& file_;
-  std::deque<std::string> waiting_;
+  std::deque<Waiting> waiting_;
   std::set<std::string> seen_;
   std::optional<int> version_;  // of the root
   std::size_t nodes_ = 0;

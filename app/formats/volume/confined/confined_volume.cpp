@@ -19,14 +19,14 @@ std::variant<qnv::VolumeSource, std::string> open_volume_confined(const std::str
   auto mapped = map_volume(path);
   if (auto* const problem = std::get_if<std::string>(&mapped)) return std::move(*problem);
   const SharedBytes file = std::get<SharedBytes>(std::move(mapped));
-  if (file.file && origin.component.growing) file.file->tolerate_writes();
+  if (file.file && (origin.component.growing || origin.need)) file.file->tolerate_writes();
   VolumeOrigin own = origin;
   use_folder(path, own);
-  VolumeRequest request{path, own.name, raw, own.component, left_of(*budget)};
+  VolumeRequest request{path, own.name, raw, own.component, left_of(*budget), false, own.need != nullptr};
   const auto volume = std::make_shared<RemoteVolume>(
       program, path, file, std::move(request), own.read_beside ? own.read_beside : reader_beside(path, {}),
       FileBatches(own.read_files ? own.read_files : files_beside(path, {}),
-                  own.read_files ? own.list_folder : lister_beside(path)),
+                  own.read_files ? own.list_folder : lister_beside(path), own.need),
       budget);
   auto opened = RemoteVolume::open(volume);
   if (const auto changed = file.file ? file.file->changed() : std::nullopt) return path + ": " + *changed;

@@ -3,12 +3,15 @@
 #include "app/base/local_file.h"
 #include "app/confined/decoder_channel.h"
 #include "app/formats/common/transfer.h"
+#include "net/base/range_set.h"
 #include "net/files/file.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <memory>
 #include <string_view>
 #include <utility>
 
@@ -18,8 +21,9 @@ namespace gs::app {
 namespace {
 
 // Texts: "|m|OFFSET|BYTES|REFERENCE" for a file of a batch that goes on, "|e|..." for the last one, with the letter e
-// instead of the offset for the last bytes, and nothing instead of both for a whole file. "|l|REFERENCE" for a folder.
-// No reference begins with '|', because it is percent-encoded in URLs (RFC 3986, 2).
+// instead of the offset for the last bytes, and nothing instead of both for a whole file. The reference is empty for a
+// part of the child's own file. All requests of such a batch have none. "|l|REFERENCE" for a folder. No reference
+// begins with '|', because it is percent-encoded in URLs (RFC 3986, 2).
 constexpr char kRequestMark = '|', kMoreFollow = 'm', kLastOfBatch = 'e', kListFolder = 'l';
 constexpr std::string_view kBytesFromEnd = "e";
 constexpr std::size_t kMostFilesOfBatch = 4096;
@@ -53,10 +57,11 @@ std::optional<std::uint64_t> whole_number(std::string_view text) {
 std::optional<FileRequest> file_request_of(std::string_view text) {
   const auto offset = take_field(text);
   const auto bytes = offset ? take_field(text) : std::nullopt;
-  if (!bytes || text.empty()) return std::nullopt;
+  if (!bytes) return std::nullopt;
   FileRequest request{std::string(text)};
-  if (offset->empty() && bytes->empty()) return request;
+  if (offset->empty() && bytes->empty()) return text.empty() ? std::nullopt : std::optional(std::move(request));
   const bool from_end = *offset == kBytesFromEnd;
+  if (from_end && text.empty()) return std::nullopt;
   const auto first = from_end ? std::optional<std::uint64_t>(0) : whole_number(*offset);
   const auto count = whole_number(*bytes);
   if (!first || !count || *first + *count < *first) return std::nullopt;
@@ -121,6 +126,30 @@ ListFolder folders_by_asking(const ReadFile& ask) {
   };
 }
 
+NeedBytes parts_by_asking(const ReadFile& ask) {
+  return [ask, known = std::make_shared<net::RangeSet>()](std::span<const ByteSpan> parts) {
+    std::vector<FileRequest> missing;
+    for (const ByteSpan& part : parts)
+      if (part.bytes > 0 && !known->contains({part.offset, part.offset + part.bytes}))
+        missing.push_back({{}, FilePart{part.offset, part.bytes}});
+    for (std::size_t begin = 0; begin < missing.size(); begin += kMostFilesOfBatch) {
+      const std::size_t end = std::min(begin + kMostFilesOfBatch, missing.size());
+      BytesResult answer = std::string("it was not read");
+      for (std::size_t i = begin; i < end; ++i) answer = ask(request_text(missing[i], i + 1 == end));
+      if (!std::holds_alternative<SharedBytes>(answer)) return false;
+      for (std::size_t i = begin; i < end; ++i)
+        known->add({missing[i].part->offset, missing[i].part->offset + missing[i].part->bytes});
+    }
+    return true;
+  };
+}
+
+BytesResult FileBatches::answer_parts(const std::vector<FileRequest>& batch) const {
+  std::vector<ByteSpan> parts;
+  for (const FileRequest& one : batch) parts.push_back({one.part->offset, one.part->bytes});
+  return need_ && need_(parts) ? BytesResult(SharedBytes{}) : BytesResult(std::string("it cannot be read"));
+}
+
 std::optional<BytesResult> FileBatches::answer(const std::string& text) {
   std::string_view rest = text;
   if (rest.size() < 3 || rest[0] != kRequestMark || rest[2] != kRequestMark) return std::nullopt;
@@ -135,10 +164,13 @@ std::optional<BytesResult> FileBatches::answer(const std::string& text) {
     return as_descriptor(to.take());
   }
   auto request = file_request_of(rest);
-  if ((kind != kMoreFollow && kind != kLastOfBatch) || !request || batch_.size() >= kMostFilesOfBatch) return std::nullopt;
+  if ((kind != kMoreFollow && kind != kLastOfBatch) || !request || batch_.size() >= kMostFilesOfBatch ||
+      (!batch_.empty() && batch_.front().reference.empty() != request->reference.empty()))
+    return std::nullopt;
   batch_.push_back(std::move(*request));
   if (kind == kMoreFollow) return BytesResult(SharedBytes{});
   const std::vector<FileRequest> batch = std::exchange(batch_, {});
+  if (batch.front().reference.empty()) return answer_parts(batch);
   std::vector<FileResult> results;
   if (read_) results = read_(batch);
   results.resize(batch.size(), std::string("other files are not read here"));

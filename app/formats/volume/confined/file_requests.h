@@ -1,13 +1,17 @@
 #pragma once
 
+#include "app/base/need_bytes.h"
 #include "app/base/read_files.h"
 
+#include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
-// Requests of a child for several files at once, and for lists of folders. They travel as texts where a child asks for
-// one file (child_channel.h), each request of a batch in a text of its own. The answer to the last one has all files.
+// Requests of a child for several files at once, for parts of its own file, and for lists of folders. They travel as
+// texts where a child asks for one file (child_channel.h), each request of a batch in a text of its own. The answer to
+// the last one has all files.
 namespace gs::app {
 
 /// Returns true for the text of such a request. References of files do not look like it.
@@ -16,20 +20,27 @@ namespace gs::app {
 /// Child: makes functions that ask its parent. A parent that gives impossible answers ends the process.
 [[nodiscard]] ReadFiles files_by_asking(const ReadFile& ask);
 [[nodiscard]] ListFolder folders_by_asking(const ReadFile& ask);
+/// Child: makes a function that asks for parts of its own file. It knows the parts that it has asked for.
+[[nodiscard]] NeedBytes parts_by_asking(const ReadFile& ask);
 
 /// Parent: collects the requests of a batch and reads their files. One thread at a time.
 class FileBatches {
  public:
-  /// `read` and `list` may be null; then no file is read.
-  FileBatches(ReadFiles read, ListFolder list) : read_(std::move(read)), list_(std::move(list)) {}
+  /// `read` and `list` may be null; then no file is read. `need` makes parts of the child's own file readable, and
+  /// may be null.
+  FileBatches(ReadFiles read, ListFolder list, NeedBytes need = {})
+      : read_(std::move(read)), list_(std::move(list)), need_(std::move(need)) {}
 
   /// Returns the answer to a text of is_file_request(). Trusts nothing: returns nullopt for texts that no honest child
   /// sends.
   [[nodiscard]] std::optional<BytesResult> answer(const std::string& text);
 
  private:
+  [[nodiscard]] BytesResult answer_parts(const std::vector<FileRequest>& batch) const;
+
   ReadFiles read_;
   ListFolder list_;
+  NeedBytes need_;
   std::vector<FileRequest> batch_;
 };
 

@@ -21,6 +21,7 @@ class VolumeOfChild final : public OpenData {
     if (!known) return {};
     const WorldBudget budget = std::make_shared<Budget>(limits_of(known->left));
     VolumeOrigin origin{ask, known->name, known->component, files_by_asking(ask), folders_by_asking(ask)};
+    if (known->by_parts) origin.need = parts_by_asking(ask);
     if (known->lists) return transfer_bytes(list_in_child(known->path, file, origin, budget));
     VolumeReply reply;
     origin.component.found = std::make_shared<DatasetList>();

@@ -148,6 +148,7 @@ std::vector<std::byte> transfer_bytes(const VolumeRequest& request) {
   write_component(to, request.component);
   to.value(request.left);
   to.value<std::uint8_t>(request.lists);
+  to.value<std::uint8_t>(request.by_parts);
   return to.take();
 }
 
@@ -166,6 +167,7 @@ std::optional<VolumeRequest> volume_request_of(std::span<const std::byte> bytes)
   request.component = read_component(from);
   request.left = from.value<BudgetLeft>();
   request.lists = from.truth();
+  request.by_parts = from.truth();
   return request;
 } catch (const Impossible&) {
   return std::nullopt;

@@ -166,6 +166,10 @@ bool ArrayVolume::suits(const VolumeSource& source, std::size_t most_vectors) {
 
 bool ArrayVolume::read_overview(std::chrono::milliseconds patience, const std::function<bool()>& stop) {
   const Clock::time_point end = Clock::now() + patience;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!began_) began_ = Clock::now();
+  }
   (void)overview_.read([&] { return Clock::now() >= end || (stop && stop()); });
   return show_overview();
 }
@@ -199,8 +203,22 @@ bool ArrayVolume::show_overview() {
   base->version = base_ ? base_->version + 1 : 1;
   base_ = std::move(base);
   stale_ = true;
-  if (!shown_ || views_.empty()) shown_ = base_->volume;
+  known_part_ = overview_.progress();
+  // Views that have no bricks yet show the overview at once.
+  if (!shown_ || views_.empty() || statistics_.shown == 0) {
+    shown_ = base_->volume;
+    ++revision_;
+  }
   return true;
+}
+
+bool ArrayVolume::may_read_bricks(const LodView& view) const {
+  constexpr double kNoLargeGaps = 0.25;
+  const auto chosen = [](const glm::vec4& plane) { return plane != glm::vec4(0); };
+  const auto there = [](const auto& point) { return point.has_value(); };
+  return known_part_ >= kNoLargeGaps || !began_ || Clock::now() - *began_ >= kOverviewFirst ||
+         view.most_decoded == 0 || std::ranges::any_of(view.volume.slices, chosen) ||
+         std::ranges::any_of(view.volume.points, there);
 }
 
 std::shared_ptr<const Volume> ArrayVolume::latest() const {
@@ -330,7 +348,7 @@ std::shared_ptr<const Volume> ArrayVolume::cut(const LodView& view, bool& pendin
     running_.wait();
     lock.lock();
   }
-  if (!working_ && stale_ && base_) {
+  if (!working_ && stale_ && base_ && may_read_bricks(view)) {
     working_ = true;
     if (waits) {
       // The former volume is not drawn while this thread waits for the next one.

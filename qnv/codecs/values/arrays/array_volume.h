@@ -15,6 +15,7 @@
 #include <future>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,10 +24,11 @@ namespace gs::qnv {
 
 /// Volume in a file that is larger than memory, or takes long to read. Reads an overview as a whole, and bricks
 /// of finer levels where views need them. In a window, another thread reads the bricks, the most wanted ones first. It
-/// drops the remaining bricks of a view that changes. Any thread. Safe for untrusted values.
+/// drops the remaining bricks of a view that changes. It begins when the overview has no large gaps, or after kOverviewFirst,
+/// unless a view needs slices or points. Any thread. Safe for untrusted values.
 class ArrayVolume final : public VolumeDetail {
  public:
-  static constexpr std::chrono::milliseconds kPatience{20'000};
+  static constexpr std::chrono::milliseconds kPatience{20'000}, kOverviewFirst{10'000};
   /// `source` must satisfy suits(). Reads nothing yet. A cut() that waits for its bricks ends after `patience`, with
   /// the bricks that were read.
   ArrayVolume(VolumeSource source, const BrickLimits& limits, std::chrono::milliseconds patience = kPatience);
@@ -67,6 +69,8 @@ class ArrayVolume final : public VolumeDetail {
     std::uint64_t version = 0;
   };
   bool show_overview();
+  /// Reports whether bricks may be read although the overview is not complete.
+  [[nodiscard]] bool may_read_bricks(const LodView& view) const;
   void work(bool beside);
   void publish(const Base& base, const std::vector<LodView>& views);
   [[nodiscard]] std::shared_ptr<const Volume> merged(const Base& base, std::span<const values::BrickName> ready,
@@ -82,6 +86,8 @@ class ArrayVolume final : public VolumeDetail {
   std::size_t together_ = 1;  // bricks to read with one request; of work()
 
   mutable std::mutex mutex_;  // guards all members below
+  std::optional<std::chrono::steady_clock::time_point> began_;  // of the first read_overview()
+  double known_part_ = 0;                                       // of the overview that is shown
   std::shared_ptr<const Base> base_;
   std::vector<LodView> views_;  // one per viewport, the latest last
   bool working_ = false;

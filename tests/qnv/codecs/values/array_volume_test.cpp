@@ -207,6 +207,35 @@ TEST_CASE("stops reading for the previous view when a view moves") {
   CHECK(array.statistics().bricks < 100);
 }
 
+TEST_CASE("shows more of the overview of an array before its bricks") {
+  const auto count = std::make_shared<ReadCount>();
+  ArrayVolume array(counted({512, 512, 512}, count), limits_of(4000));
+  LodView view = close_view();
+  view.most_decoded = 1;
+  for (int part = 1; part <= 3; ++part) {
+    int blocks = 0;
+    const std::uint64_t revision = array.revision();
+    REQUIRE(array.read_overview(std::chrono::minutes(1), [&] { return blocks++ >= 1; }));
+    CHECK_FALSE(array.has_overview());
+    CHECK(array.revision() > revision);
+    bool pending = false;
+    CHECK(array.cut(view, pending) == array.overview());
+    CHECK_FALSE(pending);
+    CHECK(array.statistics().bricks == 0);
+  }
+  bool pending = false;
+  SECTION("but points of a view come first") {
+    view.volume.points[0] = glm::vec3(100, 20, 30);
+    (void)array.cut(view, pending);
+    CHECK(pending);
+  }
+  SECTION("until it has no large gaps") {
+    REQUIRE(array.read_overview(std::chrono::minutes(1), {}));
+    (void)array.cut(view, pending);
+    CHECK(pending);
+  }
+}
+
 TEST_CASE("the place under the pointer gets the finest voxels of an array, also from far away") {
   const auto count = std::make_shared<ReadCount>();
   ArrayVolume array(counted(kSize, count), limits_of(4000));

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <map>
 #include <string>
 #include <vector>
@@ -71,11 +72,45 @@ TEST_CASE("file requests: A batch gets the same results through a parent as with
   CHECK_FALSE(is_file_request("a/0.0"));
 }
 
+TEST_CASE("file requests: A child gets parts of its own file and no others") {
+  Served served;
+  std::vector<ByteSpan> needed;
+  FileBatches batches(served.read(), nullptr, [&needed](std::span<const ByteSpan> parts) {
+    needed.insert(needed.end(), parts.begin(), parts.end());
+    return std::ranges::all_of(parts, [](const ByteSpan& part) { return part.offset + part.bytes <= 100; });
+  });
+  int asked = 0;
+  const ReadFile ask = [&](const std::string& text) -> BytesResult {
+    ++asked;
+    auto answer = batches.answer(text);
+    REQUIRE(answer);
+    return *answer;
+  };
+  const NeedBytes need = parts_by_asking(ask);
+  const std::vector<ByteSpan> parts{{0, 10}, {50, 50}, {20, 0}};
+  CHECK(need(parts));
+  CHECK(needed == std::vector<ByteSpan>{{0, 10}, {50, 50}});
+  // It knows these parts now.
+  CHECK(need(parts));
+  CHECK(asked == 2);
+  const ByteSpan behind{90, 20};
+  CHECK_FALSE(need({&behind, 1}));
+  CHECK_FALSE(need({&behind, 1}));
+  FileBatches none(served.read(), nullptr);
+  CHECK(std::holds_alternative<std::string>(*none.answer("|e|0|5|")));
+  // A batch has either parts or other files.
+  FileBatches mixed(served.read(), nullptr);
+  CHECK(mixed.answer("|m|0|5|"));
+  CHECK_FALSE(mixed.answer("|e|0|5|b"));
+  CHECK(served.calls == 0);
+}
+
 TEST_CASE("file requests: Texts of hostile children are refused") {
   Served served;
   FileBatches batches(served.read(), nullptr);
   for (const char* const text :
-       {"", "|", "||", "|e", "|e|", "|x|||b", "|e|1|b", "|e|||", "|e|1||b", "|e||1|b", "|e|-1|1|b", "|e|1|z|b",
+       {"", "|", "||", "|e", "|e|", "|x|||b", "|e|1|b", "|e|||", "|e|e|5|", "|e|1||b", "|e||1|b",
+        "|e|-1|1|b", "|e|1|z|b",
         "|e|18446744073709551615|2|b", "|e|99999999999999999999|2|b"}) {
     INFO(text);
     CHECK_FALSE(batches.answer(text));
