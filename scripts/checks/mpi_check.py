@@ -151,7 +151,7 @@ def end_a_rank(folder, source, extra, expected, longest, chance):
         except ProcessLookupError:
             pass
     try:
-        _, errors = running.communicate(timeout=60)
+        _, errors = running.communicate(timeout=300)
     except subprocess.TimeoutExpired:
         running.kill()
         running.communicate()

@@ -113,6 +113,10 @@ std::variant<EncodedStream, EncodeError> encode_values(const VolumeSource& sourc
   header.grid.luma = plan.luma;
   header.cube = Cube::around(header.description.box);
   const ValueGrid grid = header.grid;
+  if (progress) {
+    progress->total = 0;
+    progress->stage = "writing";
+  }
   return write_values(std::move(header), values::ValuesChunks(grid, store, parts), options, "values");
 }
 

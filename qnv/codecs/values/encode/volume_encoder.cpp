@@ -4,6 +4,7 @@
 #include "qnv/container/container.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <functional>
 #include <utility>
@@ -102,7 +103,7 @@ std::optional<EncodeError> VolumeEncoder::encode_level(int level, const ReadSamp
   std::optional<EncodeError> problem;
   for (std::uint64_t row = share.first; row < share.end && !problem;) {
     std::uint64_t end = row;
-    while (end < share.end && !restore_row(name_of(last_plane, level, end))) ++end;
+    while (end < share.end && !restore_row(name_of(last_plane, level, end), level, end)) ++end;
     if (end > row) problem = encode_rows(level, {row, end}, read, last_plane);
     row = end + 1;
   }
@@ -162,18 +163,26 @@ std::optional<EncodeError> VolumeEncoder::read_low(int level, std::uint32_t slic
   return EncodeError{"cannot read the samples of level " + std::to_string(level - 1) + " again: " + store_.problem()};
 }
 
-// Takes a row that an earlier run has finished.
-bool VolumeEncoder::restore_row(const std::string& work) {
+// Takes a row that an earlier run has finished. Returns false if there is none, or if it has blocks of other rows.
+bool VolumeEncoder::restore_row(const std::string& work, int level, std::uint64_t row) {
   const auto result = store_.finished(work);
   if (!result || result->size() < sizeof(RowResult) ||
       (result->size() - sizeof(RowResult)) % sizeof(StoredCluster) != 0)
     return false;
   const std::span<const std::byte> bytes(*result);
-  const auto row = record_at<RowResult>(bytes);
+  const auto kept = record_at<RowResult>(bytes);
+  const Extent blocks = layout_.blocks_of(level);
+  const std::uint64_t in_row = std::uint64_t{blocks[0]} * blocks[1], first = layout_.first_of(level) + row * in_row;
   const std::size_t count = (bytes.size() - sizeof(RowResult)) / sizeof(StoredCluster);
-  rows_.push_back(row);
-  for (std::size_t i = 0; i < count; ++i)
-    clusters_.push_back(record_at<StoredCluster>(bytes.subspan(sizeof(RowResult) + i * sizeof(StoredCluster))));
+  std::vector<StoredCluster> clusters;
+  for (std::size_t i = 0; i < count; ++i) {
+    clusters.push_back(record_at<StoredCluster>(bytes.subspan(sizeof(RowResult) + i * sizeof(StoredCluster))));
+    const StoredCluster& one = clusters.back();
+    if (one.block < first || one.block - first >= in_row || !std::isfinite(one.rank)) return false;
+  }
+  if (kept.first_block != first) return false;
+  rows_.push_back(kept);
+  clusters_.insert(clusters_.end(), clusters.begin(), clusters.end());
   return true;
 }
 

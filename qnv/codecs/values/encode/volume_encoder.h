@@ -66,7 +66,7 @@ class VolumeEncoder {
   std::optional<EncodeError> encode_level(int level, const ReadSamples& read, int last_plane);
   std::optional<EncodeError> encode_rows(int level, RankShare rows, const ReadSamples& read, int last_plane);
   std::optional<EncodeError> read_low(int level, std::uint32_t slice, std::span<std::int32_t> to) const;
-  bool restore_row(const std::string& work);
+  bool restore_row(const std::string& work, int level, std::uint64_t row);
   bool finish_row(const std::string& work, int level, std::uint32_t row, const RowBegin& begin, LevelSlices& slices);
   [[nodiscard]] std::string name_of(int last_plane, int level, std::uint64_t row) const;
   bool take(std::uint64_t first, std::uint32_t count, LevelSlices& slices, int last_plane);
