@@ -40,8 +40,33 @@ get_property(all GLOBAL PROPERTY ghostspace_made)
 add_custom_target(desktop_files ALL DEPENDS ${all} ${made}/icons/hicolor/scalable/apps/${desktop_name}.svg)
 
 install(TARGETS ghostspace RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+# ghostspace-mpi is not in the package: `cmake --install DIR --component cluster` installs it.
+if(TARGET ghostspace-mpi)
+  install(TARGETS ghostspace-mpi RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT cluster EXCLUDE_FROM_ALL)
+endif()
 # The program looks for it beside its own folder.
 install(TARGETS ghostspace_datasets LIBRARY DESTINATION lib/ghostspace)
+# The library for simulations, with its headers, and files for pkg-config, CMake and Python.
+install(TARGETS insitu_library LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} NAMELINK_COMPONENT development)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/app/insitu/include/ghostspace DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+file(RELATIVE_PATH ghostspace_insitu_prefix /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)  # of any prefix
+configure_file(${PROJECT_SOURCE_DIR}/app/insitu/ghostspace-insitu.pc.in ${made}/ghostspace-insitu.pc @ONLY)
+install(FILES ${made}/ghostspace-insitu.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+include(CMakePackageConfigHelpers)
+configure_package_config_file(${PROJECT_SOURCE_DIR}/app/insitu/ghostspace-insitu-config.cmake.in
+                              ${made}/ghostspace-insitu-config.cmake
+                              INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/ghostspace-insitu
+                              PATH_VARS CMAKE_INSTALL_INCLUDEDIR CMAKE_INSTALL_LIBDIR)
+write_basic_package_version_file(${made}/ghostspace-insitu-config-version.cmake VERSION 1.0.0
+                                 COMPATIBILITY SameMajorVersion)
+install(FILES ${made}/ghostspace-insitu-config.cmake ${made}/ghostspace-insitu-config-version.cmake
+        DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/ghostspace-insitu)
+# Debian's Python looks in dist-packages of /usr and /usr/local. Elsewhere, set PYTHONPATH (docs/insitu.md).
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/app/insitu/python/ghostspace_insitu DESTINATION lib/python3/dist-packages
+        FILES_MATCHING PATTERN "*.py")
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/app/insitu/examples ${PROJECT_SOURCE_DIR}/app/insitu/python/examples
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/ghostspace/insitu
+        FILES_MATCHING PATTERN "*.c" PATTERN "*.h" PATTERN "*.py")
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/assets/worlds ${PROJECT_SOURCE_DIR}/assets/protos
         DESTINATION ${CMAKE_INSTALL_DATADIR}/ghostspace)
 install(FILES ${made}/ghostspace.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
@@ -55,7 +80,7 @@ install(FILES ${made}/ghostspace.zsh DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/ve
 install(FILES ${made}/ghostspace.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
 install(FILES ${made}/changelog.gz DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/ghostspace)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/images/manual DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/ghostspace/images)
-foreach(document manual faq formats serving security control scripts)
+foreach(document manual faq formats serving security control scripts insitu)
   install(FILES ${PROJECT_SOURCE_DIR}/docs/${document}.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/ghostspace)
 endforeach()
 

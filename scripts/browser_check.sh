@@ -227,7 +227,7 @@ for browser_name in firefox-esr chromium; do
     continue
   fi
   tried=$((tried + 1))
-  try $browser_name serve "$serve_url" '^/' "$work/serve.log"
+  try $browser_name serve "$serve_url" '^site' "$work/serve.log"
   try $browser_name nginx "$nginx_url" 'Scenes' "$work/nginx/access.log"
 done
 echo "pictures: $pictures"

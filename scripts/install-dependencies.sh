@@ -1,7 +1,14 @@
 #!/usr/bin/env bash
-# install-dependencies.sh [PACKAGE...]: installs the missing Debian 12 packages that GhostSpace needs, and the given
-# packages. Needs neither network nor root if no package is missing.
+# install-dependencies.sh [--cluster] [PACKAGE...]: installs the missing Debian 12 packages that GhostSpace needs, and the
+# given packages; --cluster adds MPI. Needs neither network nor root if no package is missing.
 set -euo pipefail
+
+# ghostspace-mpi
+cluster=()
+if [ "${1:-}" = --cluster ]; then
+  cluster=(openmpi-bin libopenmpi-dev)
+  shift
+fi
 
 packages=(
   # tools
@@ -28,7 +35,7 @@ packages=(
   libgl-dev libosmesa6-dev libosmesa6
   # tests
   catch2 nginx-light python3 openssh-sftp-server
-  "$@"
+  "${cluster[@]}" "$@"
 )
 
 fail() {

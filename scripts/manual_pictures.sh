@@ -170,6 +170,16 @@ picture_measure() {
   take measure
 }
 
+picture_splats-panel() {
+  show 1000x600 demo-bonsai.qnv
+  key ctrl+shift+g
+  click 717 135 # crop box
+  drag 846 380 875 380 # exposure
+  xdotool mousemove 300 560
+  rest 4
+  take splats-panel
+}
+
 picture_prefixes() {
   "$ghostspace" encode --isovalue 40 --vectors 30000 molecule.nrrd surface.qnv >/dev/null
   local look=(--size 220x200 --orbit 20,40 --headlight on --background 0.16,0.18,0.22)

@@ -14,7 +14,7 @@ elif [ $# -gt 0 ]; then
   exit 2
 fi
 
-"$root/scripts/install-dependencies.sh" dpkg-dev
+"$root/scripts/install-dependencies.sh" dpkg-dev file
 cd "$root"
 cmake --preset release >/dev/null
 cmake --build --preset release --target ghostspace desktop_files

@@ -4,7 +4,7 @@
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-"$root/scripts/install-dependencies.sh" python3-h5py python3-netcdf4  # they write files for tests
+"$root/scripts/install-dependencies.sh" --cluster python3-h5py python3-netcdf4  # they write files for tests
 cd "$root"
 
 status=0

@@ -54,11 +54,12 @@ belongs 'Dear ImGui' app/interface/ '[<"]imgui' app/interface/
 spidermonkey='[<"](js/|jsapi|jsfriendapi|app/script/(browser/|engine/|natives|script_world|program|assignments|script_(library|messages)))'
 belongs SpiderMonkey app/script/ "$spidermonkey" app/script/
 report "app/script/script_runner.h includes SpiderMonkey:" "$(grep -E "^app/script/script_runner\.h:.*#include $spidermonkey" <<<"$includes")"
+belongs MPI app/cluster/ '<mpi\.h>' 'app/cluster/|app/insitu/include/'
 belongs OpenGL render/ '<GL/' render/
 report "Libraries never print, exit or abort:" \
   "$(sources vrml qnv net render base | xargs -r grep -nE 'std::(cout|cerr|exit|abort)|[^a-z_](printf|fprintf|puts)\(|[^_a-z]exit\(')"
 report "What is printed goes through app/base/console.cpp, which keeps controls off the terminal:" \
-  "$(sources app | grep -v '^app/base/console.cpp$' | xargs -r grep -nE 'std::(cout|cerr|clog)|[^a-z_](printf|fprintf|vfprintf|puts|fputs|fwrite|perror)\(')"
+  "$(sources app | grep -vE '^app/(base/console.cpp$|insitu/examples/)' | xargs -r grep -nE 'std::(cout|cerr|clog)|[^a-z_](printf|fprintf|vfprintf|puts|fputs|fwrite|perror)\(')"
 report "Non-ASCII source:" "$(sources app vrml qnv net render base tests bench | xargs -r grep -nP '[^\x00-\x7F]')"
 report "Header without #pragma once:" \
   "$(sources app vrml qnv net render base | grep '\.h$' | xargs -r grep -L '#pragma once')"

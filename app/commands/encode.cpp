@@ -1,16 +1,13 @@
 #include "app/commands/encode.h"
 
-#include "app/base/console.h"
-#include "app/base/numbered_files.h"
-#include "app/commands/common/conversion_report.h"
+#include "app/commands/common/encode_report.h"
 #include "app/commands/common/progress_bar.h"
 #include "app/commands/common/shared.h"
 #include "app/commands/common/vectors_of.h"
 #include "app/encode/encode_spill.h"
+#include "app/encode/encode_team.h"
 #include "app/encode/file_sink.h"
-#include "base/json_value.h"
 #include "net/files/atomic_file.h"
-#include "qnv/container/container.h"
 
 #include <chrono>
 #include <span>
@@ -24,28 +21,6 @@ namespace {
 // they grow and move, they take three times as much.
 constexpr std::size_t kSpillShare = 64;
 
-void print_facts(const EncodeCommand& options, const OpenedInput& input, const qnv::EncodedStream& stream,
-                 const StreamContents& contents, const std::vector<std::string>& losses,
-                 std::chrono::steady_clock::time_point start) {
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  const auto vectors = static_cast<double>(stream.header.vectors);
-  JsonValue lost = JsonValue::list();
-  for (const std::string& loss : losses) lost.add(loss);
-  print_text(
-      JsonValue::named({{"file", options.files.back()},
-                        {"source", options.files[0]},
-                        {"source_bytes", input.bytes},
-                        {"contents", contents.text()},
-                        {"texture", contents.texture},
-                        {"mesh_at_end", contents.mesh_at_end},
-                        {"losses", std::move(lost)},
-                        {"vectors", stream.header.vectors},
-                        {"bytes", stream.size()},
-                        {"bits_per_vector", vectors > 0 ? static_cast<double>(stream.size()) * 8 / vectors : 0.0},
-                        {"seconds", took.count()}})
-          .json());
-}
-
 }  // namespace
 
 std::optional<std::string> check_encode(const EncodeCommand& options) {
@@ -53,6 +28,8 @@ std::optional<std::string> check_encode(const EncodeCommand& options) {
   const bool outlines = method == EncodeMethod::outlines;
   if ((options.vectors > 0) + (options.fraction > 0) + options.max_bytes_given > 1)
     return "--vectors, --fraction and --max-bytes exclude each other; expected one of them";
+  if (options.resume && !encode_team()) return "--resume continues a run of ghostspace-mpi; leave it out";
+  if (encode_team() && outlines) return "--method outlines has no parts that processes share; use ghostspace encode";
   if (options.methods_differ) return "the methods exclude each other; expected one --method";
   if (options.exact_bits > 0 && method != EncodeMethod::automatic && method != EncodeMethod::displaced)
     return "--keep-mesh needs --method auto or displaced; other methods have no mesh";
@@ -95,48 +72,29 @@ std::optional<std::string> check_encode(const EncodeCommand& options) {
 }
 
 int run_encode(const EncodeCommand& options) {
+  if (EncodeTeam* const team = encode_team()) return encode_together(options, *team);
   if (options.method == EncodeMethod::outlines) return encode_outlines(options);
   const std::string &in = options.files.front(), &out = options.files.back();
-  std::vector<std::string> steps(options.files.begin(), options.files.end() - 1);
-  if (auto series = steps.size() == 1 ? file_series(in) : std::nullopt) steps = std::move(*series);
   const auto start = std::chrono::steady_clock::now();
-  // The work may be long. Check before it whether the output may be written.
-  for (const std::string& step : steps)
-    if (const auto refusal = refuse_to_replace(out, step, qnv::encode_header({}))) return fail(*refusal);
   ProgressBar progress;
-  progress.whole().stage = "reading";
-  if (steps.empty()) return fail(in + ": no file name matches this numbered pattern");
-  const auto input = steps.size() > 1 ? open_steps(options, steps) : open_input(options, steps.front());
-  if (!input) return kFailed;
+  const auto opened = open_encode_input(options, progress);
+  if (!opened) return kFailed;
+  const OpenedInput& input = opened->input;
   auto begun = net::AtomicFile::begin(out);
   if (const auto* problem = std::get_if<net::FileError>(&begun)) return fail_to_write(problem->message);
   auto& file = std::get<net::AtomicFile>(begun);
   EncodeSpill spill(options.limits.memory / kSpillShare, file.folder());
   FileSink sink(file);
-  auto encoded = encode_input(options, *input, progress, {&spill, &sink});
+  auto encoded = encode_input(options, input, progress, {&spill, &sink});
   if (progress.cancelled()) return fail("cancelled; " + out + " was not written");
   if (file.problem()) return fail_to_write(file.problem()->message);
   if (const auto* problem = std::get_if<qnv::EncodeError>(&encoded)) return fail(in + ": " + problem->message);
   const auto& stream = std::get<qnv::EncodedStream>(encoded);
-  if (options.max_bytes_given && stream.size() > options.max_bytes)
-    return fail(in + ": the smallest possible stream has " + std::to_string(stream.size()) +
-                " bytes; expected at most " + std::to_string(options.max_bytes));
+  if (const auto problem = check_size(options, stream)) return fail(in + ": " + *problem);
   if (stream.written == 0) file.write(stream.bytes);
   if (const auto problem = file.commit()) return fail_to_write(problem->message);
   progress.hide();
-  if (stream.thinned)
-    complain("%s: warning: mesh exceeds --memory; simplified to %zu triangles (raise --memory to keep more)",
-             in.c_str(), most_encoded_triangles(options.limits));
-  const StreamContents contents = contents_of(stream, *input);
-  std::vector<std::string> losses = lost_properties(*input);
-  for (std::string& loss : lost_in_stream(*input, contents)) losses.push_back(std::move(loss));
-  print_losses(in, losses);
-  if (options.json)
-    print_facts(options, *input, stream, contents, losses, start);
-  else
-    print_conversion({steps.size() > 1 ? steps.front() + " to " + steps.back() : in, input->bytes, out, stream.size(),
-                      contents.text()},
-                     start);
+  report_encoding(options, *opened, stream, {options.json, start});
   return kDone;
 }
 

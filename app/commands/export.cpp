@@ -230,7 +230,8 @@ int run_export(const ExportCommand& options) {
   const auto start = std::chrono::steady_clock::now();
   std::error_code error;
   if (std::filesystem::equivalent(in, out, error)) return fail(out + " is also the input; not overwritten");
-  if (const SceneFormat* const scene = scene_format_of(out); scene && !options.vrml97 && exports_scene(options, in))
+  if (const SceneFormat* const scene = scene_format_of(out);
+      scene && !options.vrml97 && options.splats.empty() && exports_scene(options, in))
     return export_scene(options, in, out, *scene);
   ProgressBar progress;
   progress.whole().stage = "reading";
@@ -241,6 +242,7 @@ int run_export(const ExportCommand& options) {
   if (!input) return kFailed;
   if (const auto problem = choose_step(options.component, *input)) return fail(in + ": " + *problem);
   if (const auto problem = choose_component(options.component, *input)) return fail(in + ": " + *problem);
+  if (const auto problem = edit_input(options.splats, *input)) return fail(in + ": " + *problem);
   if (!format_of(options)) return fail(out + ": only scenes and meshes are written compressed; expected .wrl or .x3d");
   const ExportFormat& format = *format_of(options);
   if (auto* world = std::get_if<std::unique_ptr<OpenedSurface>>(&input->content);

@@ -13,6 +13,7 @@
 #include "app/formats/volume/confined/confined_list.h"
 #include "base/gzip.h"
 #include "base/json_value.h"
+#include "net/base/url_signature.h"
 #include "net/files/file.h"
 #include "qnv/codecs/displaced/surface.h"
 #include "qnv/codecs/gaussians/splat_cluster.h"
@@ -422,7 +423,7 @@ void describe_input(JsonValue& facts, const OpenedInput& input, Clock::time_poin
 std::optional<JsonValue> describe_url(const InfoCommand& options, const std::string& url, Clock::time_point deadline) {
   const auto input = open_input(options, url, MeshForm::world);
   if (!input) return std::nullopt;
-  JsonValue facts = JsonValue::named({{"file", url}, {"type", ""}, {"bytes", input->bytes}});
+  JsonValue facts = JsonValue::named({{"file", net::without_signature(url)}, {"type", ""}, {"bytes", input->bytes}});
   describe_input(facts, *input, deadline);
   return facts;
 }

@@ -1,9 +1,9 @@
 #include "app/encode/mesh_stream.h"
 
 #include "app/encode/surface_corners.h"
-#include "app/formats/common/ply_source.h"
-#include "app/formats/common/ply_table.h"
 #include "app/formats/mesh/stl_binary.h"
+#include "app/formats/ply/ply_source.h"
+#include "app/formats/ply/ply_table.h"
 #include "base/finite.h"
 #include "qnv/base/description.h"
 
@@ -17,7 +17,7 @@ namespace gs::app {
 namespace {
 
 constexpr std::size_t kPutAsideEvery = std::size_t{64} << 20;  // number of bytes to read before memory is released
-constexpr std::size_t kColorsLookedAt = 65'536;  // number of facets to check for colours
+constexpr std::size_t kColorsLookedAt = 65'536;                // number of facets to check for colours
 const qnv::Rgb8 kPlainGrey{204, 204, 204};                     // default Material.diffuseColor (VRML97 6.27)
 
 std::optional<MeshStream> stl_stream(std::span<const std::byte> bytes, const PutAside& put_aside) {

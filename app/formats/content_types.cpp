@@ -8,6 +8,7 @@
 #include "app/formats/gltf/gltf_splats.h"
 #include "app/formats/mesh/points.h"
 #include "app/formats/splats/splats.h"
+#include "app/formats/splats/splats_rad.h"
 #include "app/formats/splats/splats_sog.h"
 #include "app/formats/volume/confined/confined_volume.h"
 #include "app/formats/volume/volume_common.h"
@@ -177,6 +178,8 @@ std::span<const ContentType> content_types() {
         {"SPZ splats", "model/x-spz", ".spz ", is_splats_spz, kSplats, read_vectors<import_splats_spz>, UpRule::y,
          true},
         {"SOG", "application/zip", ".sog ", is_splats_sog, kSplats, read_splats_sog},
+        {"RAD", "model/x-rad", ".rad ", is_splats_rad, kSplats, read_splats_rad},
+        {"streamed SOG", "application/json", "", is_splats_sog_levels, kSplats, read_splats_sog_levels},
         {"splats", "model/x-splat", ".splat ", nullptr, kSplats, read_vectors<import_splats_antimatter>},
         {"KSplat", "model/x-ksplat", ".ksplat ", nullptr, kSplats, read_vectors<import_splats_ksplat>},
         {"points", "text/x-xyz", ".xyz ", nullptr, kSplats, read_vectors<import_points_xyz>, UpRule::survey},
@@ -186,6 +189,7 @@ std::span<const ContentType> content_types() {
           {volume.name, volume.mime, volume.extensions, volume.sniff, ContentClass::volume, read_volume, volume.up});
       all.back().belongs_to_others = volume.belongs_to_others;
     }
+    std::ranges::find(all, "streamed SOG", &ContentType::name)->belongs_to_others = true;
     for (const ContentType* const mesh : {&kHdf5MeshFormat, &kNetcdfMeshFormat, &kXdmfMeshFormat, &kVtsMeshFormat,
                                           &kPvdMeshFormat, &kVtkSeriesMeshFormat}) {
       const auto row = std::ranges::find(all, mesh->name, &ContentType::name);

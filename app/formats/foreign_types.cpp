@@ -107,14 +107,6 @@ bool is_3mf(Bytes bytes) {
   return is_zip(bytes) && (first_name_in_zip(bytes).starts_with("3D/") ||
                            text_of(bytes).substr(0, 8192).find("3D/3dmodel.model") != std::string_view::npos);
 }
-// Detects streamed SOG: the list of its levels, alone or first in a ZIP archive.
-bool is_streamed_sog(Bytes bytes) {
-  const std::string_view text = text_of(bytes).substr(0, 4096);
-  if (first_name_in_zip(bytes).ends_with("lod-meta.json")) return true;
-  return text.starts_with('{') && text.find("\"lodLevels\"") != std::string_view::npos &&
-         text.find("\"filenames\"") != std::string_view::npos;
-}
-
 /// Reports whether the first bytes are no text: they contain a zero byte, or control characters in large numbers.
 bool is_binary(Bytes bytes) {
   const std::string_view text = text_of(bytes).substr(0, 1024);
@@ -159,7 +151,6 @@ constexpr ContentType kForeignTypes[] = {
     foreign("VTK XML of another type", ".htg ", has_root<"VTKFile">,
             kParaView),
     foreign("URDF", ".urdf ", has_root<"robot">, "open the meshes that it names, or export the robot as glTF"),
-    foreign("streamed SOG", "", is_streamed_sog, "open the meta.json of one of its levels"),
     foreign("3MF", ".3mf ", is_3mf, "open it in the slicer or in Blender and export STL"),
     foreign("AMF", ".amf ", has_root<"amf">, "open it in the slicer and export STL"),
     foreign("IGES", ".iges .igs ", is_iges, kFreeCad),

@@ -11,7 +11,8 @@ bool can_be_encoded(std::string_view name) {
 
 std::string streamed_name(const std::string& name) {
   const ContentType* type = content_type_by_name(name);
-  return type && type->content != ContentClass::vrml && can_be_encoded(name) ? name + ".qnv" : name;
+  return type && type->content != ContentClass::vrml && can_be_encoded(name) ? name + std::string(kStreamExtension)
+                                                                             : name;
 }
 
 }  // namespace gs::app

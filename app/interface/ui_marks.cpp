@@ -48,6 +48,10 @@ void draw_ruler(ImDrawList& draw, const UiTools& tools, float scale) {
   }
 }
 
+void draw_crop(ImDrawList& draw, const UiSplats& splats, float scale) {
+  for (const auto& [from, to] : splats.edges) draw.AddLine(units_of(from), units_of(to), kMarkColor, 1.5f * scale);
+}
+
 void draw_slice_edge(ImDrawList& draw, const UiTools& tools, float scale) {
   for (std::size_t i = 0; i < tools.slice_edge.size(); ++i)
     draw.AddLine(units_of(tools.slice_edge[i]), units_of(tools.slice_edge[(i + 1) % tools.slice_edge.size()]),
@@ -98,6 +102,7 @@ void ViewportWidgets::tool_marks(const UiModel& model) const {
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   draw.PushClipRect(area.from, area.to, true);
   if (model.tools.color_bar && model.tools.bar) draw_bar(draw, *model.tools.bar, area, scale_);
+  draw_crop(draw, model.splats, scale_);
   draw_slice_edge(draw, model.tools, scale_);
   draw_ruler(draw, model.tools, scale_);
   if (model.tools.measuring)

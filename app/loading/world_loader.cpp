@@ -2,6 +2,7 @@
 
 #include "app/loading/world_loading.h"
 #include "app/streams/stream_feed.h"
+#include "net/base/url_signature.h"
 
 #include <new>
 
@@ -11,7 +12,7 @@ LoadedWorld world_without_memory(const std::string& path) {
   LoadedWorld none;
   none.path = path;
   none.truncated = true;
-  none.diagnostics.add({Severity::error, path, {}, "not enough memory to open it"});
+  none.diagnostics.add({Severity::error, net::without_signature(path), {}, "not enough memory to open it"});
   return none;
 }
 

@@ -1,6 +1,7 @@
 #include "app/loading/world_loading.h"
 
 #include "app/base/local_file.h"
+#include "app/formats/content_types.h"
 #include "app/formats/datasets/zarr/zarr_place.h"
 #include "app/formats/streamed_names.h"
 #include "app/formats/volume/volume.h"
@@ -21,22 +22,32 @@ namespace {
 
 constexpr glm::dvec3 kViewer{0, 0, 10};  // assumed before the world runs
 
-// Returns the URL of the stream of a large file, which a server that is reached by ssh encodes next to the file.
-// Returns nullopt if the file itself must be read.
-std::optional<net::Url> stream_of(const net::Url& url, const LoadOptions& options) {
+// Returns the URL of a stream that a server that is reached by ssh makes next to a large file. Its name is that of the
+// file with `extension`. Returns nullopt if the file itself must be read.
+std::optional<net::Url> stream_of(const net::Url& url, const LoadOptions& options,
+                                  std::string_view extension = kStreamExtension) {
   constexpr std::uint64_t kWorthEncoding = std::uint64_t{8} << 20;
   if (url.scheme != "ssh" || url.has_query || !(options.by_view || options.large_by_view)) return std::nullopt;
   const std::size_t slash = url.path.rfind('/') + 1;
-  const std::string name = url.path.substr(slash), streamed = streamed_name(name);
-  if (streamed == name) return std::nullopt;
+  const std::string name = url.path.substr(slash);
+  if (streamed_name(name) == name) return std::nullopt;
   net::Url stream = url;
-  stream.path = url.path.substr(0, slash) + streamed;
+  stream.path += extension;
   stream.has_query = true;
   stream.query = net::kLeastSizeQuery + std::to_string(kWorthEncoding);
   return stream;
 }
 
 }  // namespace
+
+std::string coarse_url_of(const std::string& path, const LoadOptions& options) {
+  const net::Url url = net::parse_url(path);
+  const ContentType* const type = content_type_by_name(url.path);
+  if (url.scheme != "ssh" || !type || type->content != ContentClass::volume || !zarr_entries_of_url(path).empty())
+    return {};
+  const auto stream = stream_of(url, options, kCoarseExtension);
+  return stream ? stream->text() : std::string();
+}
 
 struct WorldLoading::State {
   State(const std::string& path, const LoadOptions& options);

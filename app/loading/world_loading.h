@@ -21,6 +21,10 @@
 
 namespace gs::app {
 
+/// Returns the URL of the stream of few voxels that a server reached by ssh makes quickly (streamed_names.h). Returns
+/// an empty text for files that such a server does not encode.
+[[nodiscard]] std::string coarse_url_of(const std::string& path, const LoadOptions& options);
+
 /// Reader of a world and all its references: EXTERNPROTOs, Inlines, textures and QNV streams. Reads files and the
 /// network concurrently. Adds received parts at once: Shapes before their file ends, parts of long number lists, coarse
 /// vectors before fine ones.

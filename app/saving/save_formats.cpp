@@ -4,6 +4,7 @@
 #include "app/formats/export/export.h"
 #include "app/saving/scene_formats.h"
 #include "base/gzip.h"
+#include "base/text.h"
 #include "net/files/file.h"
 
 #include <span>
@@ -13,6 +14,8 @@ namespace gs::app {
 
 bool is_text_path(std::string_view path) { return scene_format_of(path) != nullptr; }
 
+bool is_stream_path(std::string_view path) { return lower_case(path).ends_with(".qnv"); }
+
 std::string save_format_list() {
   std::string text = scene_format_list();
   const char* separator = "; only the surface: ";
@@ -20,11 +23,11 @@ std::string save_format_list() {
     if (is_text_path(format.extension)) continue;
     text.append(std::exchange(separator, ", ")).append(format.extension);
   }
-  return text;
+  return text + ", .qnv";
 }
 
 std::string path_with_format(const std::string& path) {
-  return is_text_path(path) || export_format_of(path) ? path : path + ".wrl";
+  return is_text_path(path) || is_stream_path(path) || export_format_of(path) ? path : path + ".wrl";
 }
 
 std::optional<std::string> write_world_text(const std::string& path, std::string_view text) {

@@ -8,6 +8,8 @@ namespace gs::app {
 
 /// Returns true if a path has an extension of a text format with all nodes (scene_formats.h). Ignores case.
 [[nodiscard]] bool is_text_path(std::string_view path);
+/// Returns true if a path has the extension of QNV streams. Ignores case.
+[[nodiscard]] bool is_stream_path(std::string_view path);
 /// Returns the extensions of all formats in which a world can be saved: ".wrl (VRML97), .x3d (X3D XML), ...; only the
 /// surface: .ply, ...".
 [[nodiscard]] std::string save_format_list();

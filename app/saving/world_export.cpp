@@ -1,5 +1,6 @@
 #include "app/saving/world_export.h"
 
+#include "app/saving/save_formats.h"
 #include "app/serve/child_program.h"
 #include "net/files/file.h"
 
@@ -18,7 +19,8 @@ std::optional<std::string> exported(const ExportSource& source, const std::strin
                                     const std::stop_token& stop) {
   const TemporaryFile made(std::filesystem::path(target).filename().string(), {});
   if (!made.problem().empty()) return made.problem();
-  std::vector<std::string> arguments{"export"};
+  std::vector<std::string> arguments{is_stream_path(target) ? "encode" : "export"};
+  arguments.insert(arguments.end(), source.options.begin(), source.options.end());
   if (!source.folder.empty()) arguments.insert(arguments.end(), {"--allow", source.folder});
   arguments.insert(arguments.end(), {source.path, made.path()});
   if (const auto failure = run_child(program, arguments, kLimits, stop)) return failure->message;

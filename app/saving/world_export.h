@@ -8,18 +8,21 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace gs::app {
 
 /// Input of an export: a file, or a text that was written for it.
 struct ExportSource {
   std::string path;
-  std::string folder;                   // folder that the text may refer to; empty if `path` is the world's own file
-  std::unique_ptr<TemporaryFile> text;  // owner of the text at `path`; null if `path` is the world's own file
+  std::string folder;                     // folder that the text may refer to; empty if `path` is the world's own file
+  std::unique_ptr<TemporaryFile> text;    // owner of the text at `path`; null if `path` is the world's own file
+  std::vector<std::string> options = {};  // further options of the command
 };
 
-/// Export of a world to another format by a child process with the command `export`, so that the window stays
-/// responsive. Replaces the target completely or not at all. Ending this object kills the process. One thread.
+/// Export of a world to another format by a child process with the command `export`, or `encode` for a stream, so that
+/// the window stays responsive. Replaces the target completely or not at all. Ending this object kills the process. One
+/// thread.
 class WorldExport {
  public:
   /// Starts the export. Another thread calls `wake` when take() has the result. `program` is GhostSpace.

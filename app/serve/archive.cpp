@@ -1,10 +1,12 @@
 #include "app/serve/archive.h"
 
 #include "app/formats/content_types.h"
+#include "app/formats/streamed_names.h"
 #include "app/serve/archive_index.h"
 #include "app/serve/cell_archive.h"
 #include "app/serve/child_program.h"
 #include "app/serve/folder_world.h"
+#include "net/base/descriptor_limit.h"
 #include "net/base/host_names.h"
 
 #include <algorithm>
@@ -78,6 +80,32 @@ net::Maker stream_maker(const std::string& program, const std::string& served) {
   return maker;
 }
 
+// Makes streams of few voxels, which are shown while the whole volumes are encoded.
+net::Maker coarse_maker(const std::string& program, const std::string& served) {
+  net::Maker maker;
+  maker.name = "coarse";
+  maker.type.mime = "model/x-qnv";
+  maker.extension = ".qnv";
+  maker.for_missing = true;
+  maker.at_once = 2;
+  maker.coarse_of = "encode";
+  maker.source_of = [](const std::string& name, const std::string&) -> std::optional<std::string> {
+    if (!name.ends_with(kCoarseExtension)) return std::nullopt;
+    const std::string source = name.substr(0, name.size() - kCoarseExtension.size());
+    const ContentType* const type = content_type_by_name(source);
+    return type && type->content == ContentClass::volume ? std::optional(source) : std::nullopt;
+  };
+  maker.make = [program, served](const std::string& source, const std::string& out, const std::stop_token& stop) {
+    ChildLimits limits;
+    limits.time = std::chrono::minutes(2);
+    return run_confined(
+        program, readable_folder(source, served),
+        {"encode", "--most-voxels", "1M", "--error", "0.5%", "--parity", "0", "--timeout", "100", "--", source, out},
+        limits, stop);
+  };
+  return maker;
+}
+
 // Creates the folder for made files. Returns the error, or nullopt. An empty `served` means all files.
 std::optional<std::string> prepare(const std::string& cache, const std::string& served) {
   std::error_code error;
@@ -102,6 +130,13 @@ void serve_connected(net::HttpServerOptions& http, bool whole) {
   if (!whole) return;
   http.to_owner = true;
   if (const char* home = std::getenv("HOME"); home && home[0] == '/') http.home = home;
+}
+
+// Returns the number of connections that the process can have, at most `wanted`: each needs a socket and a file.
+std::size_t possible_connections(std::size_t wanted) {
+  constexpr std::size_t kOtherDescriptors = 128;
+  const std::size_t limit = net::raise_descriptor_limit(2 * wanted + kOtherDescriptors);
+  return std::min(wanted, (limit - std::min(limit, kOtherDescriptors)) / 2);
 }
 
 std::string cell_metrics(const net::CellServerStatistics& cells) {
@@ -163,6 +198,11 @@ std::variant<std::unique_ptr<Archive>, std::string> Archive::start(const Archive
   http.port = options.http_port.value_or(0);
   if (options.standard_streams) serve_connected(http, whole);
   http.limits.total_rate = rate / 8;
+  http.limits.connections = possible_connections(options.connections);
+  if (http.limits.connections == 0) return "the limit of open files is too low (ulimit -n); expected at least 256";
+  if (http.limits.connections < options.connections && options.report)
+    options.report("ghostspace: the limit of open files allows " + std::to_string(http.limits.connections) +
+                   " connections; raise it with ulimit -n");
   http.max_age = options.max_age;
   http.type_of = served_type_of;
   http.host_names = options.host_names;
@@ -179,6 +219,7 @@ std::variant<std::unique_ptr<Archive>, std::string> Archive::start(const Archive
     const std::string served = whole ? std::string() : fs::canonical(options.folder, error).string();
     http.makers.push_back(thumbnail_maker(options.program, served));
     http.makers.push_back(stream_maker(options.program, served));
+    if (options.standard_streams) http.makers.push_back(coarse_maker(options.program, served));
     if (options.standard_streams)
       for (net::Maker& maker : http.makers) maker.wait = kOwnWait;
   }

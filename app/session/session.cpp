@@ -42,6 +42,7 @@ Session::Session(const SessionOptions& options, LoadOptions load, const std::fun
                    {options.viewpoint, options.headlight, options.camera}),
       data_(step_, viewports_, load_),
       follower_(step_, viewports_, series_.list(), load_, wake),
+      live_(step_, viewports_, load_, wake),
       readers_(step_, viewports_, load_, {log_, questions_, series_.list(), links_, data_, follower_}, wake,
                mesh_worker(options.simulated, wake, picker_)),
       streams_(step_, viewports_, readers_, load_),
@@ -54,6 +55,7 @@ Session::Session(const SessionOptions& options, LoadOptions load, const std::fun
 Frame Session::step(double now, const SessionInput& input) {
   const double before = std::exchange(step_.now, now);
   follower_.check();
+  live_.check();
   readers_.begin();
   streams_.limit_rates();
   if (readers_.take_news()) step_.frame.news = true;
@@ -106,7 +108,7 @@ std::optional<double> Session::next_event() {
   // After an extension has acted, step soon: its actions may cause events and requests.
   if (acted_) next = life_due_;
   if (next) next = std::max(*next, life_due_);
-  for (const auto due : {series_.next_due(), follower_.next_due()})
+  for (const auto due : {series_.next_due(), follower_.next_due(), live_.next_due()})
     if (due) next = std::min(next.value_or(*due), *due);
   return next;
 }

@@ -4,6 +4,7 @@
 #include "app/session/documents/session_log.h"
 #include "app/session/input/input_handler.h"
 #include "app/session/input/pointing.h"
+#include "app/session/live/live_control.h"
 #include "app/session/navigation/camera_control.h"
 #include "app/session/navigation/session_sound.h"
 #include "app/session/navigation/viewer_motion.h"
@@ -33,16 +34,16 @@ class Session;
 
 struct SessionOptions {
   std::vector<std::string> files;  // opened at the start, each in its own viewport if possible
-  std::string viewpoint;  // initial Viewpoint of worlds: its description, DEF name or number
-  std::optional<bool> headlight;  // overrides the NavigationInfo of worlds
+  std::string viewpoint;           // initial Viewpoint of worlds: its description, DEF name or number
+  std::optional<bool> headlight;   // overrides the NavigationInfo of worlds
   /// Simulated time: results depend only on the input and on the times given to step(). Moves to Viewpoints are
   /// instant. A slow step does not delay later ones. Pictures wait until all data for them are ready.
   bool simulated = false;
-  bool audible = false;  // play sounds on the system's device
-  bool muted = false;  // silent until the user turns the sound on
-  double speed = 1;  // factor on the viewer speed that worlds set
+  bool audible = false;              // play sounds on the system's device
+  bool muted = false;                // silent until the user turns the sound on
+  double speed = 1;                  // factor on the viewer speed that worlds set
   ViewStyle style{};                 // initial style of views
-  std::optional<Pose> camera{};  // initial camera, only for the first file
+  std::optional<Pose> camera{};      // initial camera, only for the first file
   std::optional<SplitTree> split{};  // arrangement of the viewports; nullopt derives it from the number of files
 };
 
@@ -91,6 +92,7 @@ class Session : NonCopyable {
   [[nodiscard]] SeriesPlayback& series() { return series_; }
   [[nodiscard]] DataChoices& data() { return data_; }
   [[nodiscard]] Follower& follower() { return follower_; }
+  [[nodiscard]] LiveControl& live() { return live_; }
   [[nodiscard]] SessionQuestions& questions() { return questions_; }
   [[nodiscard]] InputHandler& input() { return input_; }
   /// Returns the log of diagnostics of all files.
@@ -122,12 +124,13 @@ class Session : NonCopyable {
   FirstViews first_views_;
   DataChoices data_;
   Follower follower_;
+  LiveControl live_;
   DocumentReaders readers_;
   StreamTransfers streams_;
   InputHandler input_;
   std::vector<SessionExtension*> extensions_;
-  double life_due_ = 0;  // earliest time of the next step of worlds, in seconds since 1970
-  bool acted_ = false;  // an extension acted after the last step of worlds
+  double life_due_ = 0;      // earliest time of the next step of worlds, in seconds since 1970
+  bool acted_ = false;       // an extension acted after the last step of worlds
   bool was_moving_ = false;  // a viewer moved in the previous step
 };
 

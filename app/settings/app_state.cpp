@@ -1,5 +1,7 @@
 #include "app/settings/app_state.h"
 
+#include "net/base/url_signature.h"
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -57,7 +59,7 @@ std::vector<std::string> strings_in(const json& list, std::size_t most) {
 }  // namespace
 
 void note_recent(AppState& state, const std::string& place) {
-  if (place.empty() || place.size() > kMaxStateText) return;
+  if (place.empty() || place.size() > kMaxStateText || net::is_presigned(place)) return;
   std::erase(state.recent, place);
   state.recent.insert(state.recent.begin(), place);
   if (state.recent.size() > AppState::kMaxRecent) state.recent.resize(AppState::kMaxRecent);

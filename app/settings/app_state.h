@@ -44,7 +44,7 @@ struct AppState {
 
   bool operator==(const AppState&) const = default;
 };
-/// Moves a path or URL to the front of the list of recent files, without duplicates.
+/// Moves a path or URL to the front of the recent files, without duplicates. Ignores presigned URLs, which expire.
 void note_recent(AppState& state, const std::string& place);
 
 /// Files and viewports of a window. They are saved so that they can be restored after a crash.

@@ -49,6 +49,7 @@ constexpr ActionRow kActions[] = {
     {Action::log, Key::f3, false, false, false, "Log", "Log: errors and warnings", Menu::view},
     {Action::transfer, Key::f4, false, false, false, "Transfer", "Transfer function and clipping", Menu::view},
     {Action::data, 'D'_key, true, true, false, "Data", "Data: datasets, steps, colours", Menu::view},
+    {Action::splats, 'G'_key, true, true, false, "Splats", "Splats: crop, clean, transform", Menu::view},
     {Action::scene_tree, 'T'_key, true, true, false, "Tree", "Scene tree: nodes of the world", Menu::view},
     {Action::inspector, 'I'_key, true, true, false, "Inspector", "Inspector: fields of a node", Menu::view},
     {Action::routes, 'R'_key, true, true, false, "Routes", "Routes and their events", Menu::view},

@@ -48,6 +48,7 @@ enum class Action : std::uint8_t {
   log,
   transfer,
   data,
+  splats,
   scene_tree,
   inspector,
   routes,

@@ -5,6 +5,7 @@
 #include "app/session/navigation/key_input.h"
 #include "app/view/camera_text.h"
 #include "app/viewer/viewer_data.h"
+#include "app/viewer/viewer_splats.h"
 #include "base/text.h"
 
 #include <algorithm>
@@ -52,6 +53,7 @@ ViewerController::ViewerController(ViewerControllerOptions options, LoadOptions 
       memory_given_(load.limits.memory != Limits{}.memory),
       ui_(std::move(backend), options.scale, store_.settings()),
       session_(with_settings(options.session, store_.settings(), options.up_given), std::move(load), wake),
+      splat_editing_(wake),
       bookmarks_(session_, store_),
       record_(session_, store_, options.not_kept),
       dialog_(wake, options.dialogs),
@@ -59,11 +61,13 @@ ViewerController::ViewerController(ViewerControllerOptions options, LoadOptions 
           {session_, ui_, dialog_, store_}, record_.not_kept(), [this] { window_.close(); }, wake) {
   if (!memory_given_) session_.opening().set_memory(memory_of(store_.settings().memory));
   session_.add_extension(inspection_);
+  session_.add_extension(splat_editing_);
   const AppState& state = store_.state();
   ui_.arrange(state.panels, state.areas);
 }
 
 ViewerController::~ViewerController() {
+  session_.remove_extension(splat_editing_);
   session_.remove_extension(inspection_);
   AppState state = store_.state();
   state.panels = ui_.panels();
@@ -216,10 +220,19 @@ void ViewerController::exchange_camera(Action action) {
 // session handles.
 bool ViewerController::undo(int direction) {
   const View* const seen = session_.view();
-  const auto edit = seen ? seen->document->edits.time_of(direction) : std::nullopt;
-  if (!edit) return false;
-  const auto move = seen->history.time_of(direction);
-  if (move && (direction < 0 ? *move > *edit : *move < *edit)) return false;
+  if (!seen) return false;
+  SplatEdits& splats = seen->document->splats;
+  const auto edit = seen->document->edits.time_of(direction), splat_edit = splats.time_of(direction),
+             move = seen->history.time_of(direction);
+  // Returns true if `one` is the next to be undone or redone.
+  const auto precedes = [direction](const std::optional<double>& one, const std::optional<double>& other) {
+    return one && (!other || (direction < 0 ? *one >= *other : *one <= *other));
+  };
+  if (precedes(splat_edit, edit) && precedes(splat_edit, move)) {
+    splats.go(direction);
+    return true;
+  }
+  if (!precedes(edit, move)) return false;
   inspection_.step_edit(direction);
   return true;
 }
@@ -259,6 +272,7 @@ void ViewerController::apply(const UiActions& actions) {
   if (actions.tools.file) session_.series().show(*actions.tools.file);
   if (actions.tools.rate) session_.series().set_rate(*actions.tools.rate);
   apply_data(actions.data, session_);
+  apply_splats(actions.splats, session_);
   window_.apply_tools(actions.tools);
   View* seen = session_.view();
   if (!seen) return;
@@ -320,7 +334,7 @@ std::string ViewerController::title() {
   const View* seen = session_.view();
   if (!seen) return "GhostSpace";
   const LoadedWorld& world = seen->document->world;
-  const char* const edited = seen->document->edits.unsaved() ? ", edited" : "";
+  const char* const edited = seen->document->unsaved() ? ", edited" : "";
   return title_of_world(world.title, file_label(world.path)) + edited + " - GhostSpace";
 }
 

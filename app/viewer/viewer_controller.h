@@ -1,13 +1,14 @@
 #pragma once
 
+#include "app/desktop/file_dialog.h"
 #include "app/inspect/inspection.h"
 #include "app/interface/ui_overlay.h"
 #include "app/session/session.h"
 #include "app/settings/settings_store.h"
 #include "app/view/actions.h"
-#include "app/desktop/file_dialog.h"
 #include "app/viewer/session_record.h"
 #include "app/viewer/view_bookmarks.h"
+#include "app/viewer/viewer_splats.h"
 #include "app/viewer/world_saver.h"
 
 #include <array>
@@ -109,7 +110,8 @@ class ViewerController {
   bool up_given_, memory_given_;
   UiOverlay ui_;
   Session session_;
-  Inspection inspection_;  // extension of the session
+  Inspection inspection_;       // extension of the session
+  SplatEditing splat_editing_;  // extension of the session
   std::array<RateHistory, kMaxViewports> readings_;
   ViewBookmarks bookmarks_;
   SessionRecord record_;

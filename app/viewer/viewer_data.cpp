@@ -25,6 +25,7 @@ UiData describe_data(Session& session) {
   data.can_follow = true;
   data.followed = session.follower().follows(pane.shown);
   data.newest = session.follower().shows_newest(pane.shown);
+  data.live = session.live().state();
   return data;
 }
 
@@ -34,6 +35,7 @@ void apply_data(const UiDataActions& actions, Session& session) {
   const std::string path = panes.at(panes.active()).shown;
   if (actions.follow) session.follower().follow(path, *actions.follow);
   if (actions.newest) session.follower().follow_newest(path, *actions.newest);
+  if (actions.live) session.live().change(*actions.live, actions.live_token.value_or(""));
   if (actions.choose) choices.choose(*actions.choose);
   if (actions.remove_over) choices.remove_over(*actions.remove_over);
   if (actions.over) choices.show_over(*actions.over);

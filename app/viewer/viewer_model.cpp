@@ -2,6 +2,7 @@
 #include "app/view/values/color_bar.h"
 #include "app/viewer/viewer_controller.h"
 #include "app/viewer/viewer_data.h"
+#include "app/viewer/viewer_splats.h"
 #include "base/text.h"
 #include "net/base/schemes.h"
 
@@ -135,6 +136,9 @@ UiModel ViewerController::model(const Frame& frame, const PictureMeasures& measu
   }
   window_.describe_tools(model.tools);
   model.data = describe_data(session_);
+  const auto active = std::ranges::find(model.viewports, true, &UiViewport::active);
+  model.splats =
+      describe_splats(session_, active == model.viewports.end() ? std::nullopt : std::optional(active->place));
   if (!seen) return model;
   model.has_world = true;
   model.first_steps = store_.settings().first_steps && !record_.not_kept().empty() && pane.shown == record_.not_kept();
@@ -155,9 +159,11 @@ UiModel ViewerController::model(const Frame& frame, const PictureMeasures& measu
   model.upright = upright_of(*seen);
   if (const double spacing = seen->style.grid ? grid_spacing(seen->list->bounds, model.upright) : 0; spacing > 0)
     model.grid_text = "Grid: " + readable_value(spacing, seen->document->world.authored ? "m" : "");
-  const WorldEdits& edits = seen->document->edits;
-  model.can_undo = session_.camera().can_undo_move(-1) || edits.time_of(-1);
-  model.can_redo = session_.camera().can_undo_move(1) || edits.time_of(1);
+  const auto has_edit = [&](int direction) {
+    return seen->document->edits.time_of(direction) || seen->document->splats.time_of(direction);
+  };
+  model.can_undo = session_.camera().can_undo_move(-1) || has_edit(-1);
+  model.can_redo = session_.camera().can_undo_move(1) || has_edit(1);
   model.has_sounds = !seen->list->sounds.empty();
   model.muted = session_.sound().stage().muted();
   model.look = seen->look;

@@ -42,10 +42,14 @@ WorldSaver::WorldSaver(Parts parts, std::string not_kept, std::function<void()> 
       wake_(std::move(wake)) {}
 
 // Returns the path that the dialog proposes: the world's own path for VRML97 and X3D, else with the extension .wrl.
+// Splats get a name of their own, because no format is saved in place.
 std::string WorldSaver::proposed_path() const {
   const std::string& own = document_->world.path;
   std::string name = file_label(own);
-  if (!is_text_path(name)) name = fs::path(name).stem().string() + ".wrl";
+  if (only_splats(document_->world))
+    name = fs::path(name).stem().string() + "-edited.3dgs.ply";
+  else if (!is_text_path(name))
+    name = fs::path(name).stem().string() + ".wrl";
   std::error_code error;
   const fs::path folder =
       own != not_kept_ && is_file(own) ? fs::absolute(own, error).parent_path() : fs::path(with_home("~"));
@@ -77,7 +81,7 @@ void WorldSaver::save_to(const std::string& typed, bool agreed) {
     replaced_ = path;
     return;
   }
-  if (is_text_path(path))
+  if (is_text_path(path) && !only_splats(document_->world))
     write_text(path);
   else
     start_export(path);
@@ -97,8 +101,10 @@ void WorldSaver::write_text(const std::string& path) {
 void WorldSaver::start_export(const std::string& path) {
   ExportSource source;
   source.path = document_->world.path;
+  const bool splats = only_splats(document_->world).has_value();
   const bool changed = !document_->edits.latest().empty();
-  if (changed || !is_file(source.path)) {
+  if (splats) source.options = options_of(document_->splats.edit());
+  if (!splats && (changed || !is_file(source.path))) {
     const bool is_x3d =
         document_->world.scene && vrml::own_grammar(*document_->world.scene) == vrml::Grammar::x3d_classic;
     source.text = std::make_unique<TemporaryFile>(is_x3d ? "world.x3dv" : "world.wrl", std::span<const std::byte>());
@@ -112,7 +118,13 @@ void WorldSaver::start_export(const std::string& path) {
     if (unwritten) return ui_.show_notice("Cannot save " + path + ": " + *unwritten, true);
   }
   ui_.show_notice("Saving " + path + "...", false);
-  exports_.push_back(std::make_unique<WorldExport>(std::move(source), path, wake_));
+  exports_.push_back(
+      {std::make_unique<WorldExport>(std::move(source), path, wake_), document_, document_->splats.edit()});
+  if (splats) {
+    if (after_) ui_.show_notice("The splats are being saved; then close them again", false);
+    after_.reset();
+    return;
+  }
   // The format has no fields, so the edits of the world remain unsaved.
   if (const auto after = std::exchange(after_, std::nullopt))
     ui_.show_notice("Only VRML97 and X3D keep all edits; the world is still open", false);
@@ -131,14 +143,16 @@ void WorldSaver::saved(const std::string& path, std::size_t left_out) {
 }
 
 bool WorldSaver::take_results() {
-  for (auto& one : exports_)
-    if (const auto result = one->take()) {
+  for (Export& one : exports_)
+    if (const auto result = one.running->take()) {
       ui_.show_notice(
           result->problem ? "Cannot save " + result->target + ": " + *result->problem : "Saved: " + result->target,
           result->problem.has_value());
-      one.reset();
+      if (const auto document = one.document.lock(); document && !result->problem)
+        document->splats.mark_saved(one.splats);
+      one.running.reset();
     }
-  return std::erase(exports_, nullptr) > 0;
+  return std::erase_if(exports_, [](const Export& one) { return !one.running; }) > 0;
 }
 
 // Questions ---------------------------------------------------------------------------------------
@@ -152,7 +166,7 @@ bool WorldSaver::is_shown_elsewhere(std::size_t pane, const std::string& path) c
 
 bool WorldSaver::permits(Action action, std::size_t pane, const std::string& path) {
   const std::shared_ptr<Document> document = session_.panes().documents().document(path);
-  if (!document || !document->edits.unsaved()) return true;
+  if (!document || !document->unsaved()) return true;
   asked_ = Waiting{action, pane, path, document};
   replaced_.clear();
   return false;
@@ -208,6 +222,7 @@ void WorldSaver::answer(UiAnswer answer) {
     discarded_.push_back(asked->document);
   } else {
     asked->document->edits.mark_saved();
+    asked->document->splats.mark_saved(asked->document->splats.edit());
     session_.panes().reload(asked->path);
   }
   proceed(*asked);

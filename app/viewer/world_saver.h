@@ -1,11 +1,11 @@
 #pragma once
 
+#include "app/desktop/file_dialog.h"
 #include "app/interface/ui_overlay.h"
 #include "app/saving/world_export.h"
 #include "app/session/session.h"
 #include "app/settings/settings_store.h"
 #include "app/view/actions.h"
-#include "app/desktop/file_dialog.h"
 
 #include <cstddef>
 #include <functional>
@@ -59,6 +59,13 @@ class WorldSaver {
     std::shared_ptr<Document> document;  // world with the edits
   };
 
+  /// Export that runs, and the edit of splats that it saves.
+  struct Export {
+    std::unique_ptr<WorldExport> running;
+    std::weak_ptr<Document> document;
+    SplatEdit splats;
+  };
+
   [[nodiscard]] bool permits(Action action, std::size_t pane, const std::string& path);
   [[nodiscard]] bool is_shown_elsewhere(std::size_t pane, const std::string& path) const;
   [[nodiscard]] std::string proposed_path() const;
@@ -80,7 +87,7 @@ class WorldSaver {
   std::vector<std::shared_ptr<Document>> discarded_;  // worlds that may be lost when the window closes
   bool warned_ = false;                               // the user knows that closing the window ends exports
   std::string replaced_;  // existing file about which the user is asked; empty if there is none
-  std::vector<std::unique_ptr<WorldExport>> exports_;
+  std::vector<Export> exports_;
 };
 
 }  // namespace gs::app

@@ -11,6 +11,9 @@ import asyncio
 import time
 
 
+LATENESS = 0.05  # seconds by which sending may catch up
+
+
 class Direction:
     """Link of one direction: a queue that sends at a rate, and then delays."""
 
@@ -37,7 +40,8 @@ class Direction:
         task = asyncio.ensure_future(deliver())
         try:
             while data := await reader.read(8192):
-                self.free_at = max(self.free_at, loop.time()) + len(data) / self.bytes_per_second
+                # Time that this process slept too long is not lost to the link.
+                self.free_at = max(self.free_at, loop.time() - LATENESS) + len(data) / self.bytes_per_second
                 await waiting.put((self.free_at + self.delay, data))
                 await asyncio.sleep(max(0, self.free_at - loop.time()))
         except ConnectionError:

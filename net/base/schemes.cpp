@@ -1,5 +1,7 @@
 #include "net/base/schemes.h"
 
+#include "net/base/url_signature.h"
+
 #include <algorithm>
 #include <array>
 
@@ -46,8 +48,10 @@ std::optional<Url> canonical_url(Url url) {
   return url;
 }
 
-std::string url_for_messages(std::string_view url) {
+std::string url_for_messages(std::string_view given) {
   constexpr std::size_t kLongest = 200;
+  const std::string unsigned_url = without_signature(given);
+  std::string_view url = unsigned_url;
   const std::size_t scheme_end = url.find(':');
   std::string result;
   if (scheme_end != std::string_view::npos && url.substr(scheme_end).starts_with(":/") && !has_scheme(url, "file")) {

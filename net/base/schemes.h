@@ -41,7 +41,7 @@ struct Scheme {
 /// invalid. All parsers of a canonical URL find the same host.
 [[nodiscard]] std::optional<Url> canonical_url(Url url);
 
-/// Returns a shortened URL for messages and logs, without user name, password and control characters.
+/// Returns a shortened URL for messages and logs, without user name, password, signature and control characters.
 [[nodiscard]] std::string url_for_messages(std::string_view url);
 
 }  // namespace gs::net

@@ -67,4 +67,13 @@ std::optional<std::string> write_control_token(const std::string& path, const st
   return why;
 }
 
+std::string usual_token_file(std::uint16_t port) {
+  const std::string name = "insitu-" + std::to_string(port) + ".token";
+  if (const char* runtime = std::getenv("XDG_RUNTIME_DIR"); runtime && runtime[0] == '/')
+    return std::string(runtime) + "/ghostspace/" + name;
+  if (const char* home = std::getenv("HOME"); home && home[0] == '/')
+    return std::string(home) + "/.cache/ghostspace/" + name;
+  return {};
+}
+
 }  // namespace gs::net

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,5 +15,9 @@ namespace gs::net {
 /// Writes the token and a line end to a file that only the user may read (mode 0600). Overwrites an existing file only
 /// if it is a token file. Returns the error, or nullopt.
 [[nodiscard]] std::optional<std::string> write_control_token(const std::string& path, const std::string& token);
+
+/// Returns the file in which a simulation on this machine keeps the token for its parameters, by the port of its
+/// server. Returns "" if the user has no folder for it.
+[[nodiscard]] std::string usual_token_file(std::uint16_t port);
 
 }  // namespace gs::net

@@ -13,7 +13,7 @@
 namespace gs::net {
 
 std::string FileStamp::etag(std::string_view suffix) const {
-  const std::array<std::uint64_t, 4> facts{size, inode, static_cast<std::uint64_t>(seconds),
+  const std::array<std::uint64_t, 3> facts{size, static_cast<std::uint64_t>(seconds),
                                            static_cast<std::uint64_t>(nanoseconds)};
   char text[32];
   std::snprintf(text, sizeof text, "%016llx",

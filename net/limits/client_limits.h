@@ -20,7 +20,7 @@ namespace gs::net {
 struct HttpLimits {
   std::uint64_t total_rate = 0, client_rate = 0;  // bytes of response bodies per second
   std::uint64_t requests_per_second = 200;  // per client; a burst may be twice as large
-  std::size_t connections = 1024, connections_of_client = 256;
+  std::size_t connections = 4096, connections_of_client = 256;
 };
 
 /// Key of a client: an IPv4 address, or the first 64 bits of an IPv6 address (the usual block of one customer).

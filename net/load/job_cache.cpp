@@ -1,10 +1,12 @@
 #include "net/load/job_cache.h"
 
+#include "net/base/url_signature.h"
+
 #include <utility>
 
 namespace gs::net {
 
-std::string JobCache::key() const { return location_.url() + "\n" + request_.accept; }
+std::string JobCache::key() const { return without_signature(location_.url()) + "\n" + request_.accept; }
 
 bool JobCache::is_allowed() const {
   return cache_ && location_.scheme() && location_.scheme()->cached && request_.cache != CacheUse::never_store &&
@@ -80,7 +82,7 @@ void JobCache::open_writer(const ResponseHead& head, const LoadVersion& version)
   if (head.cache_control.no_store || head.other_answers) return drop();
   const std::int64_t fresh_for = freshness(head);
   if (version.validator.empty() && fresh_for == 0) return;
-  writer_ = cache_->write(key(), {location_.url(), head.content_type, version.validator, version.total,
+  writer_ = cache_->write(key(), {without_signature(location_.url()), head.content_type, version.validator, version.total,
                                   version.accepts_ranges, version.encoded, unix_seconds_(), fresh_for, version.space});
 }
 

@@ -78,6 +78,8 @@ TransferRequest LoadJob::describe(const Fetch& fetch) const {
   TransferRequest result;
   result.url = location_.url();
   result.accept = request_.accept;
+  result.post = request_.post;
+  result.authorization = request_.authorization;
   result.reach = location_.reach();
   if (location_.scheme() && location_.scheme()->name == "ssh")
     result.within = context_.options.policy.ssh_folder(request_.from, parse_url(location_.url()));

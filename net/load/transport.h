@@ -24,6 +24,8 @@ struct TransferRequest {
   std::string if_none_match;       // request status 304 if the resource still has this version
   std::string if_modified_since;   // request status 304 if the resource has not changed since this date
   std::string accept;
+  bool post = false;          // as Request::post
+  std::string authorization;  // as Request::authorization
   AddressSpace reach = AddressSpace::special;  // most private space in which the host may be
   std::string within;  // ssh: path of the folder that links in the path must not leave; empty means no limit
 };

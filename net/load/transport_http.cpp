@@ -277,6 +277,12 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
   add("If-None-Match", request.if_none_match);
   add("If-Modified-Since", request.if_modified_since);
   add("Accept", request.accept);
+  add("Authorization", request.authorization);
+  if (request.post) {
+    curl().curl_easy_setopt(easy, CURLOPT_POST, 1L);
+    curl().curl_easy_setopt(easy, CURLOPT_POSTFIELDSIZE, 0L);
+    curl().curl_easy_setopt(easy, CURLOPT_POSTFIELDS, "");
+  }
   if (transfer.ssh) add(kWithinField, request.within);
   curl().curl_easy_setopt(easy, CURLOPT_HTTPHEADER, transfer.headers.get());
 }

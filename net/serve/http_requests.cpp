@@ -181,6 +181,8 @@ MHD_Result HttpLoop::handle(Request& request, MHD_Connection* handle, const char
   asked.range = header(handle, "Range");
   asked.accept = header(handle, "Accept");
   asked.within = header(handle, kWithinField);
+  asked.authorization = header(handle, "Authorization");
+  asked.has_body = has_body(handle);
   asked.accept_encoding = header(handle, "Accept-Encoding");
   asked.conditions = {header(handle, "If-Match"), header(handle, "If-None-Match"), header(handle, "If-Modified-Since"),
                       header(handle, "If-Unmodified-Since"), header(handle, "If-Range")};

@@ -40,11 +40,21 @@ struct FolderRequest {
   std::string url;
 };
 
+/// Request with the method POST and without a body.
+struct PostRequest {
+  std::string path, query;    // as received, without '?'
+  std::string authorization;  // the field Authorization
+};
+struct PostAnswer {
+  int status = 200;
+  std::string message;  // for people
+};
+
 /// Generator of files: makes a file of one kind from another file on demand.
 struct Maker {
   std::string name;  // for metrics and cache keys; letters only
   ServedType type;
-  std::string extension;  // extension of the made file, with its dot
+  std::string extension;     // extension of the made file, with its dot
   bool for_missing = false;  // used only for names that do not exist in the folder
   /// Returns the name of the source file, in the same folder, for a requested name and query. Returns nullopt if this
   /// maker does not apply. Called on the server's thread.
@@ -54,8 +64,11 @@ struct Maker {
   std::function<std::optional<MakeFailure>(const std::string& source, const std::string& out,
                                            const std::stop_token& stop)>
       make;
+  /// Name of the maker of the complete file, if this one makes a coarse version of it; else empty. A request for the
+  /// coarse version also begins the complete file, and is refused if that is ready.
+  std::string coarse_of;
   std::chrono::milliseconds wait{10'000};  // maximum wait without Range; then retry
-  std::size_t at_once = 4;  // maximum concurrent files; all but the newest must be slow
+  std::size_t at_once = 4;                 // maximum concurrent files; all but the newest must be slow
 };
 
 struct HttpServerOptions {
@@ -64,7 +77,7 @@ struct HttpServerOptions {
   std::uint16_t port = 0;          // 0 means any free port
   HttpLimits limits;
   std::chrono::milliseconds request_timeout{20'000};  // time limit for receiving a request, and between two requests
-  std::chrono::milliseconds send_timeout{60'000};  // time limit for sending 64 KiB
+  std::chrono::milliseconds send_timeout{60'000};     // time limit for sending 64 KiB
   // Seconds for which responses are fresh. 0 means that each use must be validated.
   std::int64_t max_age = 0;
   std::string made_folder;  // folder for made files and gzip; empty disables both
@@ -75,6 +88,8 @@ struct HttpServerOptions {
   std::function<FolderPage(const FolderListing& listing, const FolderRequest& request)> list;
   /// Returns a page for a name that does not exist. Returns nullopt for status 404. May be empty.
   std::function<std::optional<FolderPage>(const std::string& name, const FolderRequest& request)> missing;
+  /// Answers a POST request. Called on the server's thread; must check the rights of the client. If empty, status 405.
+  std::function<PostAnswer(const PostRequest& request)> post;
   /// Returns additional lines for /metrics.
   std::function<std::string()> more_metrics;
   /// Additional host names that the server answers to, if it checks names (HostNames).
@@ -97,9 +112,9 @@ struct HttpServerOptions {
 struct HttpServerStatistics {
   // Requests by status. 0 means that the client left before the response.
   std::map<int, std::uint64_t> requests;
-  std::uint64_t bytes = 0;  // bytes of response bodies
-  std::uint64_t connections = 0;  // open connections at present
-  std::uint64_t transfers = 0;  // requests that are being answered at present
+  std::uint64_t bytes = 0;                                 // bytes of response bodies
+  std::uint64_t connections = 0;                           // open connections at present
+  std::uint64_t transfers = 0;                             // requests that are being answered at present
   std::uint64_t accepted = 0, refused = 0, timed_out = 0;  // numbers of connections
 };
 

@@ -1,6 +1,7 @@
 #include "net/serve/http_site.h"
 
 #include "net/base/siphash.h"
+#include "net/serve/content_tag.h"
 
 #include <algorithm>
 #include <array>
@@ -17,6 +18,7 @@ namespace {
 constexpr std::uint64_t kMinGzip = 512, kMaxGzip = std::uint64_t{64} << 20;
 constexpr std::chrono::milliseconds kGzipWait{5000};
 constexpr const char* kRetrySeconds = "2";
+constexpr std::int64_t kYearSeconds = 365LL * 24 * 60 * 60;
 
 std::string text_tag(const std::string& body) {
   char tag[32];
@@ -114,9 +116,10 @@ void HttpSite::add_sharing(const HttpRequest& request, HttpAnswer& answer) const
 }
 
 void HttpSite::add_freshness(HttpAnswer& answer) const {
-  answer.headers.emplace_back("Cache-Control", options_.max_age > 0
-                                                   ? "public, max-age=" + std::to_string(options_.max_age)
-                                                   : std::string("no-cache"));
+  std::string text = "no-cache";
+  if (options_.max_age > 0) text = "public, max-age=" + std::to_string(options_.max_age);
+  if (options_.max_age >= kYearSeconds) text += ", immutable";  // RFC 8246
+  answer.headers.emplace_back("Cache-Control", text);
 }
 
 HttpAnswer HttpSite::problem(int status, const std::string& message) {
@@ -194,6 +197,7 @@ HttpSite::Reply HttpSite::answer_here(const HttpRequest& request) const {
     add_common(answer);
     return answer;
   }
+  if (request.method == "POST" && options_.post) return post(request);
   if (request.method != "GET" && request.method != "HEAD") return problem(405, "only GET, HEAD and OPTIONS are served");
   const auto [path, query] = split_target(request.target);
   if (path == "/health") return text(request, "text/plain; charset=utf-8", "ok\n");
@@ -205,6 +209,13 @@ HttpSite::Reply HttpSite::answer_here(const HttpRequest& request) const {
     return text(request, "text/plain; version=0.0.4; charset=utf-8", metrics_());
   }
   return get(request, path, query);
+}
+
+HttpAnswer HttpSite::post(const HttpRequest& request) const {
+  if (request.has_body) return problem(413, "the request has a body; expected none");
+  const auto [path, query] = split_target(request.target);
+  const PostAnswer result = options_.post({path, query, request.authorization});
+  return problem(result.status, result.message);
 }
 
 // Parses a path, and replaces "/~/" by the home folder.
@@ -410,7 +421,7 @@ std::optional<HttpSite::Reply> HttpSite::made(const HttpRequest& request, const 
   return std::nullopt;
 }
 
-HttpSite::Reply HttpSite::make(const HttpRequest& request, std::size_t lane, const ServedFile& source) const {
+std::pair<MadeFile, std::string> HttpSite::request_made(std::size_t lane, const ServedFile& source) const {
   const Maker& maker = options_.makers[lane];
   const std::string path = ServedFolder::real_path(source.descriptor);
   const std::string key = maker.name + " " + source.stamp.etag() + path;
@@ -425,9 +436,18 @@ HttpSite::Reply HttpSite::make(const HttpRequest& request, std::size_t lane, con
     // If the file has changed, the maker may have mixed two versions.
     const Descriptor now(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
     if (!now || !(stamp_of(now) == stamp)) return MakeFailure{"the file changed during the request", false};
+    store_content_tag(out, stop);
     return std::nullopt;
   };
-  const MadeFile result = made_->request(lane, key, maker.extension, make_it);
+  return {made_->request(lane, key, maker.extension, make_it), key};
+}
+
+HttpSite::Reply HttpSite::make(const HttpRequest& request, std::size_t lane, const ServedFile& source) const {
+  const Maker& maker = options_.makers[lane];
+  for (std::size_t i = 0; i < options_.makers.size() && !maker.coarse_of.empty(); ++i)
+    if (options_.makers[i].name == maker.coarse_of && request_made(i, source).first.state != MadeState::waiting)
+      return problem(404, "the complete file is ready");
+  const auto [result, key] = request_made(lane, source);
   switch (result.state) {
     case MadeState::failed:
       return result.failure.lasting ? problem(422, "cannot be generated: " + result.failure.message)
@@ -446,7 +466,8 @@ HttpSite::Reply HttpSite::make(const HttpRequest& request, std::size_t lane, con
   chosen.file.descriptor = Descriptor(::open(result.path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   if (!chosen.file.descriptor) return problem(503, "was removed from the cache; retry");
   chosen.file.stamp = stamp_of(chosen.file.descriptor);
-  chosen.etag = chosen.file.stamp.etag("-m");
+  // Without a stored tag, other servers have another one. Clients then start again after a change of servers.
+  chosen.etag = content_tag_of(chosen.file.descriptor).value_or(chosen.file.stamp.etag("-m"));
   chosen.modified = chosen.file.stamp.seconds;
   chosen.type = maker.type;
   return send(request, std::move(chosen));

@@ -20,12 +20,14 @@ namespace gs::net {
 struct HttpRequest {
   std::string method, target;  // both as received
   std::string range, accept, accept_encoding;
+  std::string authorization;  // for PostRequest
+  bool has_body = false;  // the request has a body, which is not read
   std::string within;  // path of a folder that links in the target must not leave; empty means no limit
   Conditions conditions;
   std::vector<std::string> hosts;  // values of the Host fields
-  std::string origin;  // origin of the requesting page; empty if missing
-  bool local = false;  // sent by this machine, not through a proxy
-  bool waited_long = false;  // the request has waited for a made file for the maximum time
+  std::string origin;              // origin of the requesting page; empty if missing
+  bool local = false;              // sent by this machine, not through a proxy
+  bool waited_long = false;        // the request has waited for a made file for the maximum time
 };
 
 /// Part of a response body: text, or a range of the response's file.
@@ -77,12 +79,15 @@ class HttpSite {
   [[nodiscard]] Reply answer_here(const HttpRequest& request) const;
   [[nodiscard]] bool is_for_us(const HttpRequest& request) const;
   [[nodiscard]] std::variant<RequestPath, PathRefusal> path_of(const std::string& text) const;
+  [[nodiscard]] HttpAnswer post(const HttpRequest& request) const;
   [[nodiscard]] Reply get(const HttpRequest& request, const std::string& path, const std::string& query) const;
   [[nodiscard]] static FolderRequest request_of(const HttpRequest& request, RequestPath path, const std::string& query);
   [[nodiscard]] Reply folder(const HttpRequest& request, const RequestPath& path, const std::string& query) const;
   [[nodiscard]] Reply file(const HttpRequest& request, const RequestPath& path, ServedFile file) const;
   [[nodiscard]] std::optional<Reply> made(const HttpRequest& request, const RequestPath& path, const std::string& query,
                                           bool missing) const;
+  /// Returns the state of the file that a maker makes from `source`, and its key. Starts to make it if it is missing.
+  [[nodiscard]] std::pair<MadeFile, std::string> request_made(std::size_t lane, const ServedFile& source) const;
   [[nodiscard]] Reply make(const HttpRequest& request, std::size_t lane, const ServedFile& source) const;
   [[nodiscard]] std::optional<WaitForMade> compress(const HttpRequest& request, const RequestPath& path,
                                                     Representation& chosen) const;

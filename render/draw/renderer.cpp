@@ -4,8 +4,8 @@
 #include "render/draw/cube_pass.h"
 #include "render/draw/layer_parts.h"
 #include "render/draw/off_screen.h"
-#include "render/gl/gpu.h"
 #include "render/gaussians/gaussian_pass.h"
+#include "render/gl/gpu.h"
 #include "render/mesh/background_pass.h"
 #include "render/mesh/mesh_pass.h"
 #include "render/mesh/occlusion_pass.h"
@@ -258,8 +258,10 @@ FrameStatistics Renderer::draw_layer(const RenderList& list, const Camera& wante
     occlude(lens, bounds, options);
     state_->surfaces->draw(list, camera, lens, options, *state_->splats, statistics);
     state_->splats->draw(list, camera, lens, options, statistics);
+    const bool behind = are_gaussians_behind_volumes(list, glm::dvec3(camera.world_from_camera[3]));
+    if (behind) state_->gaussians->draw(list, camera, lens, options, statistics);
     state_->volumes->draw(list, camera, lens, options, statistics);
-    state_->gaussians->draw(list, camera, lens, options, statistics);
+    if (!behind) state_->gaussians->draw(list, camera, lens, options, statistics);
   };
   state_->meshes->draw(list, camera, lens, options, statistics, between, state_->surfaces.get());
   if (options.guides && !statistics.given_up) {

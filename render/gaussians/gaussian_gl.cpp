@@ -41,8 +41,9 @@ std::string gaussian_defines() {
   define("MOST_ALPHA", "0.99");
   define("LOW_PASS", "0.3");
   define("MOST_REACH", "1e5");
+  define("SURFEL_SCREEN", "2.0");
   static_assert(kGaussianLeastAlpha == 1 / 255.0f && kGaussianLeastPower == -7.994353f && kGaussianMostAlpha == 0.99f &&
-                kGaussianLowPass == 0.3f && kGaussianMostReach == 1e5f);
+                kGaussianLowPass == 0.3f && kGaussianMostReach == 1e5f && kSurfelScreen == 2);
   return text;
 }
 
@@ -83,26 +84,24 @@ struct GaussianSurvey {
 
 GaussianSurvey survey(std::span<const GaussianItem> items, const SplatView& view) {
   GaussianSurvey result;
-  std::vector<GaussianSplat> splats;
-  std::vector<float> distances;
+  ProjectedGaussians found;
   const auto width = static_cast<float>(view.width), height = static_cast<float>(view.height);
   for (const GaussianItem& item : items) {
     const std::size_t blocks = std::min(kSurveyedBlocks, (item.count + kSurveyedBlock - 1) / kSurveyedBlock);
     std::size_t sampled = 0;
-    splats.clear();
-    distances.clear();
+    found = {};
     for (std::size_t block = 0; block < blocks; ++block) {
       const std::size_t first = block * (item.count / blocks),
                         last = blocks < kSurveyedBlocks && block + 1 == blocks
                                    ? item.count
                                    : std::min(item.count, first + std::min(kSurveyedBlock, item.count / blocks));
-      project_gaussians(item, view, first, last, splats, distances);
+      project_gaussians(item, view, first, last, found);
       sampled += last - first;
     }
     const double share = sampled > 0 ? static_cast<double>(item.count) / static_cast<double>(sampled) : 0;
-    result.splats += share * static_cast<double>(splats.size());
+    result.splats += share * static_cast<double>(found.splats.size());
     double pixels = 0;
-    for (const GaussianSplat& splat : splats) {
+    for (const GaussianSplat& splat : found.splats) {
       const auto extent = [](float middle, float reach, float size) {
         return static_cast<double>(std::min(middle + reach, size) - std::max(middle - reach, 0.0f)) + 1;
       };

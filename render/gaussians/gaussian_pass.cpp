@@ -1,5 +1,6 @@
 #include "render/gaussians/gaussian_pass.h"
 
+#include "render/collection/collector.h"
 #include "render/gaussians/gaussian_raster.h"
 #include "render/splat/splat_budget.h"
 
@@ -46,7 +47,34 @@ GaussianScene scene_of(const RenderList& list, const Camera& camera, const DrawO
   return scene;
 }
 
+/// Returns the bounds of all volumes, or of all Gaussians, in world space.
+template <class Content>
+WideBox bounds_of_all(const RenderList& list) {
+  WideBox bounds;
+  for (const SplatItem& item : list.splats) {
+    if (!item.geometry || !item.geometry->as<Content>() || item.geometry->description().box.empty()) continue;
+    const WideBox own = world_bounds(item.geometry->description().box, item.world_from_node);
+    if (!own.empty()) bounds.add(own);
+  }
+  return bounds;
+}
+
 }  // namespace
+
+bool are_gaussians_behind_volumes(const RenderList& list, const glm::dvec3& eye) {
+  const WideBox volumes = bounds_of_all<qnv::Volume>(list), gaussians = bounds_of_all<qnv::Gaussians>(list);
+  if (volumes.empty() || gaussians.empty()) return false;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool above : {false, true}) {  // the side of the volumes
+      const double low = above ? gaussians.upper[axis] : volumes.upper[axis],
+                   high = above ? volumes.lower[axis] : gaussians.lower[axis];
+      if (low > high) continue;
+      // An eye between the boxes sees none of them in front of the other.
+      if (eye[axis] <= low || eye[axis] >= high) return (eye[axis] >= high) == above;
+    }
+  const auto distance = [&](const WideBox& box) { return glm::distance(eye, (box.lower + box.upper) * 0.5); };
+  return distance(volumes) < distance(gaussians);
+}
 
 GaussianPass::GaussianPass(const Gl& gl, SortMethod sort)
     : gl_(gl), target_(gl), gaussian_gl_(gl, target_, sort), overlay_(gl) {}

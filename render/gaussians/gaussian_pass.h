@@ -8,7 +8,14 @@
 #include "render/volume/volume_overlay.h"
 #include "render/volume/volume_target.h"
 
+#include <glm/vec3.hpp>
+
 namespace gs::render {
+
+/// Returns true if the Gaussians of a list are behind its volumes, as seen from `eye` in world space: a plane across an
+/// axis separates their boxes, and the volumes are on the side of the eye. Boxes that overlap are compared by their
+/// centres. Returns false if either is missing.
+[[nodiscard]] bool are_gaussians_behind_volumes(const RenderList& list, const glm::dvec3& eye);
 
 /// Pass for the Gaussians of a RenderList (only SplatItems with qnv::Gaussians). Blends all splats in depth order, with
 /// OpenGL or on the CPU, over the existing image, which hides splats behind it per sample. Uses only the transparency

@@ -9,43 +9,43 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <optional>
 
 namespace gs::render {
 namespace {
 
 constexpr float kLog2E = 1.44269504f;
+// Minimum distance of a surfel from the plane of the eye, relative to the depth of its centre.
+constexpr float kSurfelMargin = 1e-2f;
 
-}  // namespace
+/// Splat in camera space.
+struct SeenGaussian {
+  glm::vec3 place;  // of the centre
+  glm::mat3 axes;   // directions of its axes, of the length of a unit of the node
+  glm::vec3 scales;
+  float opacity;
+};
 
-void project_gaussians(const GaussianItem& item, const SplatView& view, std::size_t first, std::size_t last,
-                       std::vector<GaussianSplat>& splats, std::vector<float>& distances) {
-  const std::optional<VolumeLens> lens = volume_lens(view, item.camera_from_node);
-  if (!lens || !item.gaussians) return;
-  const qnv::Gaussians& g = *item.gaussians;
-  const glm::mat3 linear(item.camera_from_node);
-  const glm::vec3 eye = glm::inverse(linear) * -glm::vec3(item.camera_from_node[3]);
-  const std::size_t end = std::min({last, item.count, g.size()}), per = qnv::harmonic_count(g.degree);
-  const float left = (view.center.x - kGaussianFarthestTangent * view.tangents.x),
-              right = (view.center.x + kGaussianFarthestTangent * view.tangents.x),
-              low = (view.center.y - kGaussianFarthestTangent * view.tangents.y),
-              high = (view.center.y + kGaussianFarthestTangent * view.tangents.y);
-  for (std::size_t i = first; i < end; ++i) {
-    const glm::vec3& position = g.positions[i];
-    const glm::vec3 seen(item.camera_from_node * glm::vec4(position, 1.0f));
-    const float depth = -seen.z;
-    if (!(depth > view.near_plane && depth > 0)) continue;
-    float opacity = g.opacities[i] * item.opacity;
-    if (!(opacity >= kGaussianLeastAlpha)) continue;
-    if (item.clip && !(glm::dot(glm::vec3(*item.clip), position) + item.clip->w >= 0)) continue;
-    const float near = 1 / depth, across = lens->pixels_x * near, up = lens->pixels_y * near;
+/// Projection of splats of one view.
+class GaussianProjection {
+ public:
+  GaussianProjection(const VolumeLens& lens, const SplatView& view)
+      : lens_(lens),
+        left_(view.center.x - kGaussianFarthestTangent * view.tangents.x),
+        right_(view.center.x + kGaussianFarthestTangent * view.tangents.x),
+        low_(view.center.y - kGaussianFarthestTangent * view.tangents.y),
+        high_(view.center.y + kGaussianFarthestTangent * view.tangents.y) {}
+
+  /// Sets position, shape and opacity by EWA. Returns false if the splat is invisible.
+  [[nodiscard]] bool shape_ellipse(const SeenGaussian& seen, bool antialiased, GaussianSplat& splat) const {
+    const float near = -1 / seen.place.z, across = lens_.pixels_x * near, up = lens_.pixels_y * near;
     // J at the centre: the change of the pixel with the camera-space position.
-    const float along_x = across * std::clamp(seen.x * near, left, right),
-                along_y = up * std::clamp(seen.y * near, low, high);
-    const glm::vec4& q = g.rotations[i];
-    const glm::mat3 axes = linear * glm::mat3_cast(glm::quat(q.w, q.x, q.y, q.z));
+    const float along_x = across * std::clamp(seen.place.x * near, left_, right_),
+                along_y = up * std::clamp(seen.place.y * near, low_, high_);
     float xx = 0, xy = 0, yy = 0;
     for (int k = 0; k < 3; ++k) {
-      const glm::vec3 axis = axes[k] * g.scales[i][k];
+      const glm::vec3 axis = seen.axes[k] * seen.scales[k];
       const float u = across * axis.x + along_x * axis.z, v = up * axis.y + along_y * axis.z;
       xx += u * u;
       xy += u * v;
@@ -55,38 +55,122 @@ void project_gaussians(const GaussianItem& item, const SplatView& view, std::siz
     xx += kGaussianLowPass;
     yy += kGaussianLowPass;
     const float determinant = xx * yy - xy * xy;
-    if (!(determinant > 0) || !std::isfinite(determinant)) continue;
-    if (g.antialiased) opacity *= std::sqrt(std::max(sharp, 0.0f) / determinant);
-    if (!(opacity >= kGaussianLeastAlpha)) continue;
-    GaussianSplat splat;
+    if (!(determinant > 0) || !std::isfinite(determinant)) return false;
+    float opacity = seen.opacity;
+    if (antialiased) opacity *= std::sqrt(std::max(sharp, 0.0f) / determinant);
+    if (!(opacity >= kGaussianLeastAlpha)) return false;
     splat.peak = std::log2(std::min(opacity, 1.0f));
     // The opacity falls to the minimum where half the squared Mahalanobis distance is `inside`.
     const float inside = 2 * std::log(std::min(opacity, 1.0f) / kGaussianLeastAlpha);
     splat.reach_x = std::sqrt(inside * xx);
     splat.reach_y = std::sqrt(inside * yy);
-    if (!(splat.reach_x < kGaussianMostReach && splat.reach_y < kGaussianMostReach)) continue;
-    splat.x = seen.x * across + lens->middle_x - 0.5f;
-    splat.y = seen.y * up + lens->middle_y - 0.5f;
-    if (!(splat.x + splat.reach_x >= 0 && splat.y + splat.reach_y >= 0)) continue;
-    if (!(splat.x - splat.reach_x <= static_cast<float>(lens->width - 1)) ||
-        !(splat.y - splat.reach_y <= static_cast<float>(lens->height - 1)))
-      continue;
     const float factor = 0.5f * kLog2E / determinant;
     splat.xx = yy * factor;
     splat.xy = -xy * factor;
     splat.yy = xx * factor;
+    return true;
+  }
+
+  /// Sets position, extent and opacity of a surfel. Returns false if the surfel reaches the plane of the eye.
+  [[nodiscard]] bool shape_surfel(const SeenGaussian& seen, GaussianSplat& splat, GaussianSurfel& surfel) const {
+    const glm::vec3 u = seen.axes[0] * seen.scales.x, v = seen.axes[1] * seen.scales.y;
+    // A point (u, v) of the plane has the depth dot(depth, (u, v, 1)), and dot(x, ...) / dot(depth, ...) is its
+    // distance from the centre in pixels.
+    const float near = -1 / seen.place.z;
+    const glm::vec3 depth(-u.z, -v.z, -seen.place.z);
+    const glm::vec3 x = lens_.pixels_x * (glm::vec3(u.x, v.x, seen.place.x) - seen.place.x * near * depth),
+                    y = lens_.pixels_y * (glm::vec3(u.y, v.y, seen.place.y) - seen.place.y * near * depth);
+    const float opacity = std::min(seen.opacity, 1.0f), inside = 2 * std::log(opacity / kGaussianLeastAlpha);
+    const float across = inside * (depth.x * depth.x + depth.y * depth.y), square = depth.z * depth.z;
+    if (!(across < square * (1 - kSurfelMargin))) return false;
+    splat.peak = std::log2(opacity);
+    // The outline u^2 + v^2 = inside is an ellipse; its extent follows from its dual conic.
+    const float scale = inside / (across - square), least = std::sqrt(inside / kSurfelScreen);
+    const auto reach = [&](const glm::vec3& row) {
+      const float middle = scale * (row.x * depth.x + row.y * depth.y);
+      return std::max(std::abs(middle) + std::sqrt(middle * middle - scale * (row.x * row.x + row.y * row.y)), least);
+    };
+    splat.reach_x = reach(x);
+    splat.reach_y = reach(y);
+    splat.xx = splat.yy = 1;
+    splat.xy = 0;
+    // The planes of the pixel's column and row meet in its ray.
+    glm::mat3 lines(glm::cross(y, depth), glm::cross(depth, x), glm::cross(x, y));
+    float most = 0;
+    for (int k = 0; k < 3; ++k)
+      most = std::max({most, std::abs(lines[k].x), std::abs(lines[k].y), std::abs(lines[k].z)});
+    if (!(most > 0) || !std::isfinite(most)) return false;
+    lines /= most;
+    for (int k = 0; k < 3; ++k) {
+      const auto to = static_cast<std::size_t>(k);
+      surfel.a[to] = lines[k].x;
+      surfel.b[to] = lines[k].y;
+      surfel.c[to] = lines[k].z;
+    }
+    return true;
+  }
+
+  /// Sets the pixel of the centre. Returns false if the splat is out of view.
+  [[nodiscard]] bool place(const glm::vec3& seen, GaussianSplat& splat) const {
+    if (!(splat.reach_x < kGaussianMostReach && splat.reach_y < kGaussianMostReach)) return false;
+    const float near = -1 / seen.z;
+    splat.x = seen.x * lens_.pixels_x * near + lens_.middle_x - 0.5f;
+    splat.y = seen.y * lens_.pixels_y * near + lens_.middle_y - 0.5f;
+    return splat.x + splat.reach_x >= 0 && splat.y + splat.reach_y >= 0 &&
+           splat.x - splat.reach_x <= static_cast<float>(lens_.width - 1) &&
+           splat.y - splat.reach_y <= static_cast<float>(lens_.height - 1);
+  }
+
+ private:
+  const VolumeLens& lens_;
+  float left_, right_, low_, high_;
+};
+
+}  // namespace
+
+void project_gaussians(const GaussianItem& item, const SplatView& view, std::size_t first, std::size_t last,
+                       ProjectedGaussians& out) {
+  const std::optional<VolumeLens> lens = volume_lens(view, item.camera_from_node);
+  if (!lens || !item.gaussians) return;
+  const qnv::Gaussians& g = *item.gaussians;
+  const GaussianProjection projection(*lens, view);
+  const glm::mat3 linear(item.camera_from_node);
+  const glm::vec3 eye = glm::inverse(linear) * -glm::vec3(item.camera_from_node[3]);
+  const std::size_t end = std::min({last, item.count, g.size()}), per = qnv::harmonic_count(g.degree);
+  for (std::size_t i = first; i < end; ++i) {
+    const glm::vec3& position = g.positions[i];
+    SeenGaussian seen;
+    seen.place = glm::vec3(item.camera_from_node * glm::vec4(position, 1.0f));
+    const float depth = -seen.place.z;
+    if (!(depth > view.near_plane && depth > 0)) continue;
+    seen.opacity = g.opacities[i] * item.opacity;
+    if (!(seen.opacity >= kGaussianLeastAlpha)) continue;
+    if (item.clip && !(glm::dot(glm::vec3(*item.clip), position) + item.clip->w >= 0)) continue;
+    const glm::vec4& q = g.rotations[i];
+    seen.axes = linear * glm::mat3_cast(glm::quat(q.w, q.x, q.y, q.z));
+    seen.scales = g.scales[i];
+    GaussianSplat splat;
+    GaussianSurfel surfel;
+    const bool flat =
+        seen.scales.z == 0 && seen.scales.x > 0 && seen.scales.y > 0 && projection.shape_surfel(seen, splat, surfel);
+    if (!flat && !projection.shape_ellipse(seen, g.antialiased, splat)) continue;
+    if (!projection.place(seen.place, splat)) continue;
     const glm::vec3 away = position - eye;
-    const float distance = glm::dot(seen, seen), length = std::sqrt(glm::dot(away, away));
+    const float distance = glm::dot(seen.place, seen.place), length = std::sqrt(glm::dot(away, away));
     glm::vec3 color = gaussian_color(g.bases[i], per == 0 ? nullptr : g.harmonics.data() + i * per,
                                      length > 0 ? g.degree : 0, length > 0 ? away / length : away);
-    if (item.fog.on) color = fogged(item.fog, color, seen);
+    if (item.fog.on) color = fogged(item.fog, color, seen.place);
     splat.red = color.x;
     splat.green = color.y;
     splat.blue = color.z;
     splat.depth = splat.least_depth = depth;
     if (!std::isfinite(color.x + color.y + color.z) || !std::isfinite(distance)) continue;
-    splats.push_back(splat);
-    distances.push_back(distance);
+    if (flat) {
+      splat.surfel = static_cast<std::int32_t>(out.surfels.size());
+      out.surfels.push_back(surfel);
+    }
+    out.splats.push_back(splat);
+    out.distances.push_back(distance);
   }
 }
 

@@ -17,13 +17,8 @@ constexpr std::size_t kProjectedRange = 8192;               // splats per projec
 constexpr std::size_t kMostEntries = std::size_t{1} << 22;  // of all tiles that are kept at once
 constexpr unsigned kRadixDigitBits = 11, kRadixDigits = 1u << kRadixDigitBits;
 
-/// Splats in view, in tasks of kProjectedRange input splats.
-struct Projected {
-  std::vector<GaussianSplat> splats;
-  std::vector<float> distances;
-};
-
-Projected project_all(std::span<const GaussianItem> items, const SplatView& view) {
+/// Projects all splats, in tasks of kProjectedRange input splats.
+ProjectedGaussians project_all(std::span<const GaussianItem> items, const SplatView& view) {
   struct Task {
     std::size_t item, first, last;
   };
@@ -33,26 +28,29 @@ Projected project_all(std::span<const GaussianItem> items, const SplatView& view
     for (std::size_t first = 0; first < count; first += kProjectedRange)
       tasks.push_back({i, first, std::min(count, first + kProjectedRange)});
   }
-  std::vector<Projected> parts(tasks.size());
+  std::vector<ProjectedGaussians> parts(tasks.size());
   parallel_for(
       tasks.size(),
-      [&](std::size_t t) {
-        project_gaussians(items[tasks[t].item], view, tasks[t].first, tasks[t].last, parts[t].splats,
-                          parts[t].distances);
-      },
+      [&](std::size_t t) { project_gaussians(items[tasks[t].item], view, tasks[t].first, tasks[t].last, parts[t]); },
       view.threads);
-  Projected all;
-  std::vector<std::size_t> starts;
-  std::size_t count = 0;
-  for (const Projected& part : parts) {
+  ProjectedGaussians all;
+  std::vector<std::size_t> starts, first_surfels;
+  std::size_t count = 0, surfels = 0;
+  for (const ProjectedGaussians& part : parts) {
     starts.push_back(count);
+    first_surfels.push_back(surfels);
     count += part.splats.size();
+    surfels += part.surfels.size();
   }
   all.splats.resize(count);
   all.distances.resize(count);
+  all.surfels.resize(surfels);
   parallel_for(
       parts.size(),
       [&](std::size_t t) {
+        for (GaussianSplat& splat : parts[t].splats)
+          if (splat.surfel >= 0) splat.surfel += static_cast<std::int32_t>(first_surfels[t]);
+        std::ranges::copy(parts[t].surfels, all.surfels.begin() + static_cast<std::ptrdiff_t>(first_surfels[t]));
         std::ranges::copy(parts[t].splats, all.splats.begin() + static_cast<std::ptrdiff_t>(starts[t]));
         std::ranges::copy(parts[t].distances, all.distances.begin() + static_cast<std::ptrdiff_t>(starts[t]));
         parts[t] = {};
@@ -98,9 +96,10 @@ struct TileRange {
 /// Draws sorted splats: gives tiles lists of their splats in batches, from near to far, and blends them.
 class GaussianPainter {
  public:
-  GaussianPainter(std::span<const GaussianSplat> splats, std::span<const std::uint32_t> order, const SplatView& view,
+  GaussianPainter(const ProjectedGaussians& all, std::span<const std::uint32_t> order, const SplatView& view,
                   const VolumeStops& stops)
-      : splats_(splats),
+      : splats_(all.splats),
+        surfels_(all.surfels),
         order_(order),
         view_(view),
         stops_(stops),
@@ -140,7 +139,7 @@ class GaussianPainter {
     const float inside = splat.peak - kGaussianLeastPower, narrow = 1 / splat.xx;
     for (int row = range.bottom; row <= range.top; ++row) {
       int left = range.left, right = range.right;
-      if (right - left > 1 && range.top > range.bottom) {
+      if (splat.surfel < 0 && right - left > 1 && range.top > range.bottom) {
         // The extent of the ellipse between the rows: at the tangent point if it lies between, else at a border.
         const float low = static_cast<float>(row * kGaussianTile) - 1 - splat.y, high = low + kGaussianTile + 1;
         const float turn = splat.xy * narrow;
@@ -246,7 +245,7 @@ class GaussianPainter {
     }
     GaussianTile& state = *states_[tile];
     const GaussianKernel& kernel = gaussian_kernel();
-    (stops.empty() ? kernel.tile : kernel.stopped_tile)(splats_.data(), order, left, bottom, state);
+    (stops.empty() ? kernel.tile : kernel.stopped_tile)({splats_.data(), surfels_.data()}, order, left, bottom, state);
     if (state.open == 0) open_[tile] = 0;
   }
 
@@ -271,6 +270,7 @@ class GaussianPainter {
   }
 
   std::span<const GaussianSplat> splats_;
+  std::span<const GaussianSurfel> surfels_;
   std::span<const std::uint32_t> order_;
   const SplatView& view_;
   const VolumeStops& stops_;
@@ -284,7 +284,7 @@ class GaussianPainter {
 
 VolumeLayer rasterize_gaussians(std::span<const GaussianItem> items, const SplatView& view, const VolumeStops& stops) {
   if (view.width <= 0 || view.height <= 0) return {};
-  Projected projected = project_all(items, view);
+  ProjectedGaussians projected = project_all(items, view);
   if (projected.splats.empty()) return {};
   const std::vector<std::uint32_t> order = sorted(projected.distances);
   float least = std::numeric_limits<float>::max();
@@ -292,7 +292,7 @@ VolumeLayer rasterize_gaussians(std::span<const GaussianItem> items, const Splat
     least = std::min(least, projected.splats[*i].depth);
     projected.splats[*i].least_depth = least;
   }
-  return GaussianPainter(projected.splats, order, view, stops).paint();
+  return GaussianPainter(projected, order, view, stops).paint();
 }
 
 }  // namespace gs::render

@@ -30,12 +30,19 @@ struct GaussianItem {
   CameraFog fog;
 };
 
+/// Splats in view, unordered.
+struct ProjectedGaussians {
+  std::vector<GaussianSplat> splats;
+  std::vector<float> distances;  // squared, from the eye
+  std::vector<GaussianSurfel> surfels;
+};
+
 /// Projects splats by EWA: the covariance in the picture is J W Sigma W^T J^T + 0.3 pixels^2 (Zwicker et al. 2002;
-/// Kerbl et al. 2023). Appends those of [first, last) that are in view, unordered, without splats fainter than
-/// kGaussianLeastAlpha. Also appends the squared distances from the eye, which order the splats: turning the view keeps
-/// the order.
+/// Kerbl et al. 2023). Splats without a third scale become surfels, which rays intersect (Huang et al. 2024), unless
+/// they reach the plane of the eye. Appends those of [first, last) that are in view, unordered, without splats fainter
+/// than kGaussianLeastAlpha. Their distances order the splats: turning the view keeps the order.
 void project_gaussians(const GaussianItem& item, const SplatView& view, std::size_t first, std::size_t last,
-                       std::vector<GaussianSplat>& splats, std::vector<float>& distances);
+                       ProjectedGaussians& out);
 
 /// Splats Gaussians on the CPU: projects them, sorts those of all items by distance from the eye, and blends each tile
 /// from front to back until it is opaque. Splats behind the stop of a pixel are not blended. Ignores the matrix and

@@ -81,12 +81,73 @@ uniform vec2 straight;  // position of the optical axis, in pixels from the midd
 uniform vec4 depth_range;  // near plane; clip_from_camera[2][2] and [3][2]; minimum depth of clip space
 uniform float gain;
 flat out vec4 color;  // w: logarithm of the opacity to the base 2
-out vec2 away;  // from the centre, in standard deviations
+out vec2 away;  // from the centre, in standard deviations; of a surfel, those of its low-pass
+out vec3 hit;   // of a surfel: its plane coordinates are xy / z
+vec2 extent;    // half size of the rectangle around the splat, in pixels
+
+// Sets the corner of the rectangle along the axes of an ellipse, by EWA, and its opacity. Returns false if the splat is
+// invisible.
+bool ellipse(mat3 linear, vec3 scales, vec2 pixels, vec2 along, bool antialiased, vec2 corner, inout float opacity,
+             out vec2 offset) {
+  float xx = 0.0, xy = 0.0, yy = 0.0;
+  offset = vec2(0.0);
+  for (int k = 0; k < 3; ++k) {
+    vec3 axis = linear[k] * scales[k];
+    vec2 uv = pixels * axis.xy + along * axis.z;
+    xx += uv.x * uv.x;
+    xy += uv.x * uv.y;
+    yy += uv.y * uv.y;
+  }
+  float sharp = xx * yy - xy * xy;
+  xx += LOW_PASS;
+  yy += LOW_PASS;
+  float determinant = xx * yy - xy * xy;
+  if (!(determinant > 0.0 && determinant < 1e30)) return false;
+  if (antialiased) opacity *= sqrt(max(sharp, 0.0) / determinant);
+  if (!(opacity >= LEAST_ALPHA)) return false;
+  opacity = min(opacity, 1.0);
+  float inside = 2.0 * log(opacity / LEAST_ALPHA);
+  extent = sqrt(inside * vec2(xx, yy));
+  // The axes of the ellipse: eigenvectors of the covariance.
+  float half_difference = 0.5 * (xx - yy), root = sqrt(half_difference * half_difference + xy * xy);
+  float most = 0.5 * (xx + yy) + root, least = determinant / most;
+  vec2 axis = half_difference >= 0.0 ? vec2(half_difference + root, xy) : vec2(xy, root - half_difference);
+  float size = length(axis);
+  axis = size > 0.0 ? axis / size : vec2(1.0, 0.0);
+  away = corner * sqrt(inside);
+  hit = vec3(away, 1.0);
+  offset = axis * (away.x * sqrt(most)) + vec2(-axis.y, axis.x) * (away.y * sqrt(least));
+  return true;
+}
+
+// Sets the corner of the rectangle of a surfel, and where its rays meet the plane; see gaussian_projection.cpp. Returns
+// false if the surfel reaches the plane of the eye.
+bool surfel(mat3 linear, vec3 scales, vec3 seen, float opacity, vec2 corner, out vec2 offset) {
+  vec3 u = linear[0] * scales.x, v = linear[1] * scales.y, depth = -vec3(u.z, v.z, seen.z);
+  vec2 slope = seen.xy / -seen.z;
+  vec3 x = lens.x * (vec3(u.x, v.x, seen.x) - slope.x * depth), y = lens.y * (vec3(u.y, v.y, seen.y) - slope.y * depth);
+  float inside = 2.0 * log(min(opacity, 1.0) / LEAST_ALPHA), across = inside * dot(depth.xy, depth.xy);
+  offset = vec2(0.0);
+  if (!(across < depth.z * depth.z * 0.99)) return false;
+  float scale = inside / (across - depth.z * depth.z);
+  vec2 middle = scale * vec2(dot(x.xy, depth.xy), dot(y.xy, depth.xy));
+  vec2 wide = sqrt(middle * middle - scale * vec2(dot(x.xy, x.xy), dot(y.xy, y.xy)));
+  extent = max(abs(middle) + wide, vec2(sqrt(inside / SURFEL_SCREEN)));
+  offset = corner * extent;
+  mat3 lines = mat3(cross(y, depth), cross(depth, x), cross(x, y));
+  vec3 sizes = max(max(abs(lines[0]), abs(lines[1])), abs(lines[2]));
+  float most = max(max(sizes.x, sizes.y), sizes.z);
+  if (!(most > 0.0 && most < 1e30)) return false;
+  hit = lines * vec3(offset, 1.0) / most;
+  away = offset * sqrt(SURFEL_SCREEN);
+  return true;
+}
 
 void main() {
   gl_Position = vec4(2.0, 2.0, 2.0, 1.0);  // out of view
   color = vec4(0.0);
   away = vec2(0.0);
+  hit = vec3(0.0);
   int rank = gl_InstanceID * QUADS + (gl_VertexID >> 2);
   if (rank >= count) return;
   Place place = place_of(number_at(rank));
@@ -111,27 +172,14 @@ void main() {
   mat3 turn = rotation_of(shape.z >> 16, shape.w & 0xFFFFu, shape.w >> 16);
   mat3 linear = transpose(mat3(row_x.xyz, row_y.xyz, row_z.xyz)) * turn;
   vec3 scales = vec3(scale_of(shape.x, coding.xy), scale_of(shape.x >> 16, coding.xy), scale_of(shape.y, coding.xy));
-  float xx = 0.0, xy = 0.0, yy = 0.0;
-  for (int k = 0; k < 3; ++k) {
-    vec3 axis = linear[k] * scales[k];
-    vec2 uv = pixels * axis.xy + along * axis.z;
-    xx += uv.x * uv.x;
-    xy += uv.x * uv.y;
-    yy += uv.y * uv.y;
-  }
-  float sharp = xx * yy - xy * xy;
-  xx += LOW_PASS;
-  yy += LOW_PASS;
-  float determinant = xx * yy - xy * xy;
-  if (!(determinant > 0.0 && determinant < 1e30)) return;
-  if (form.w != 0.0) opacity *= sqrt(max(sharp, 0.0) / determinant);
-  if (!(opacity >= LEAST_ALPHA)) return;
-  opacity = min(opacity, 1.0);
-  float inside = 2.0 * log(opacity / LEAST_ALPHA);
-  vec2 reach = sqrt(inside * vec2(xx, yy));
   vec2 center = seen.xy * pixels + straight;  // pixels from the middle of the viewport
-  if (!(max(reach.x, reach.y) < MOST_REACH)) return;
-  if (!(all(lessThanEqual(abs(center) - reach, 0.5 * lens.zw)))) return;
+  vec2 corner = vec2(gl_VertexID & 1, (gl_VertexID >> 1) & 1) * 2.0 - 1.0, offset;
+  bool is_flat = scales.z == 0.0 && scales.x > 0.0 && scales.y > 0.0;
+  bool is_visible = is_flat && surfel(linear, scales, seen, opacity, corner, offset);
+  if (!is_visible) is_visible = ellipse(linear, scales, pixels, along, form.w != 0.0, corner, opacity, offset);
+  if (!is_visible) return;
+  if (!(max(extent.x, extent.y) < MOST_REACH)) return;
+  if (!(all(lessThanEqual(abs(center) - extent, 0.5 * lens.zw)))) return;
 
   vec3 towards = position.xyz - eye.xyz;
   float distance = length(towards);
@@ -139,17 +187,8 @@ void main() {
   vec3 own = base;
   if (distance > 0.0) own += form.z * harmonics(int(form.y), texel + 2, towards / distance);
   own = max(own, vec3(0.0));
-  color = vec4(fogged(item, FOG, own, seen) * gain, log2(opacity));
+  color = vec4(fogged(item, FOG, own, seen) * gain, log2(min(opacity, 1.0)));
 
-  // The axes of the ellipse: eigenvectors of the covariance.
-  float half_difference = 0.5 * (xx - yy), root = sqrt(half_difference * half_difference + xy * xy);
-  float most = 0.5 * (xx + yy) + root, least = determinant / most;
-  vec2 axis = half_difference >= 0.0 ? vec2(half_difference + root, xy) : vec2(xy, root - half_difference);
-  float size = length(axis);
-  axis = size > 0.0 ? axis / size : vec2(1.0, 0.0);
-  vec2 corner = vec2(gl_VertexID & 1, (gl_VertexID >> 1) & 1) * 2.0 - 1.0;
-  away = corner * sqrt(inside);
-  vec2 offset = axis * (away.x * sqrt(most)) + vec2(-axis.y, axis.x) * (away.y * sqrt(least));
   gl_Position.xy = (center + offset) * 2.0 / lens.zw;
   gl_Position.z = clamp(depth_range.z * near - depth_range.y, depth_range.w, 1.0);
 }
@@ -158,9 +197,12 @@ void main() {
 inline constexpr char kGaussianFragmentShader[] = R"glsl(
 flat in vec4 color;
 in vec2 away;
+in vec3 hit;
 out vec4 result;
 void main() {
-  float power = color.w - 0.72134752 * dot(away, away);  // 1/2 log2(e)
+  float square = dot(away, away), below = hit.z * hit.z, top = dot(hit.xy, hit.xy);
+  if (top < square * below) square = top / below;
+  float power = color.w - 0.72134752 * square;  // 1/2 log2(e)
   if (power < LEAST_POWER) discard;
   float alpha = min(exp2(power), MOST_ALPHA);
   result = vec4(color.rgb * alpha, alpha);

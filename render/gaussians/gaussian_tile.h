@@ -24,7 +24,18 @@ struct GaussianSplat {
   float red, green, blue;  // 0 is black, 1 is white
   float depth;             // along the view axis, > 0
   float least_depth;       // of this splat and of all that are blended after it
+  /// Index of the surfel that gives the opacity instead; -1 if there is none. Then x, y and the reach are its own.
+  std::int32_t surfel = -1;
 };
+
+/// Flat Gaussian (2DGS) in a picture. The ray through the pixel at (dx, dy) from the centre meets its plane at u = a /
+/// c and v = b / c, in standard deviations, with a = a[0] dx + a[1] dy + a[2]; b and c are linear functions, too. The
+/// opacity is 2^peak e^(-s / 2), where s is the smaller of u^2 + v^2 and kSurfelScreen (dx^2 + dy^2).
+struct GaussianSurfel {
+  std::array<float, 3> a, b, c;
+};
+/// Low-pass of surfels (2DGS): seen from the edge, a surfel has at least a variance of 1 / kSurfelScreen pixels^2.
+constexpr float kSurfelScreen = 2;
 
 /// Pixels of one tile, premultiplied.
 struct alignas(64) GaussianTile {
@@ -38,11 +49,17 @@ struct alignas(64) GaussianTile {
   void clear_pixels();
 };
 
+/// Splats of a picture.
+struct GaussianSplats {
+  const GaussianSplat* splats = nullptr;
+  const GaussianSurfel* surfels = nullptr;
+};
+
 /// Blends the splats with indexes `order`, front to back, into a tile. (left, bottom) is the lower left pixel of the
 /// tile. May be called again with splats farther away. Stops when no splat can be visible. `stopped_tile` applies the
 /// stops, `tile` ignores them.
 struct GaussianKernel {
-  using Tile = void (*)(const GaussianSplat* splats, std::span<const std::uint32_t> order, int left, int bottom,
+  using Tile = void (*)(const GaussianSplats& all, std::span<const std::uint32_t> order, int left, int bottom,
                         GaussianTile& tile);
   Tile tile, stopped_tile;
 };

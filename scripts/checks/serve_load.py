@@ -6,8 +6,10 @@ part of a request, then silence), broken (garbage, cut requests and answers) and
 each), an eighth each. After N seconds (60), prints a line per property, and exits with 1 if one is violated:
   - the clients that read ranges get at least a third of their fair share of the --rate, and about equal parts,
   - they get right bytes, and no error,
-  - from the first quarter of the time to the end, memory grows by at most 16 MB and descriptors by the clients' number,
+  - from the first quarter of the time to the end, memory grows by at most 16 MB, or stays below the bound of its
+    connections, and descriptors grow by the clients' number,
   - without clients, all their descriptors are closed,
+  - of 1,000 clients and more, the server that starts with a limit of 1,024 descriptors serves all,
   - SIGTERM ends the server within 2 s while clients read.
 
 GHOSTSPACE: program instead of build/release/ghostspace.
@@ -18,6 +20,7 @@ import asyncio
 import os
 import pathlib
 import random
+import resource
 import signal
 import socket
 import subprocess
@@ -29,6 +32,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 FILE_BYTES = 8 << 20
 PIECE = 64 << 10
 RATE = 400_000_000  # bits per second
+CONNECTION_BYTES = 120_000  # memory of a connection that has been used
+SOFT_LIMIT = 1024  # descriptors that the server may open at first
 
 
 class Load:
@@ -169,8 +174,11 @@ async def load(process, port, data, options, report):
     report(rates[0] > rates[-1] / 3, f"the slowest gets {rates[0] / rates[-1]:.2f} of the fastest")
     report(not of.errors, f"{len(of.errors)} wrong answers or lost connections" +
            (": " + of.errors[0] if of.errors else ""))
-    report(late - early < 16 << 20, f"memory: {early / 1e6:.1f} MB, then {late / 1e6:.1f} MB")
+    bound = (late_files - before) // 2 * CONNECTION_BYTES
+    report(late - early < 16 << 20 or late < bound, f"memory: {early / 1e6:.1f} MB, then {late / 1e6:.1f} MB")
     report(late_files - early_files < options.clients, f"descriptors: {before}, {early_files}, then {late_files}")
+    if options.clients >= 1000:
+        report(late_files > SOFT_LIMIT, f"more descriptors than the {SOFT_LIMIT} of the limit at the start")
     return of, tasks, before
 
 
@@ -221,8 +229,12 @@ def main():
         with socket.socket() as probe:
             probe.bind(("127.0.0.1", 0))
             port = probe.getsockname()[1]
+        # This process needs a descriptor per connection. The server starts with the limit of most systems.
+        _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
         process = subprocess.Popen([program, "serve", folder, "--http", str(port), "--rate", str(RATE), "--log", "/dev/null"],
-                                   stdout=subprocess.DEVNULL)
+                                   stdout=subprocess.DEVNULL,
+                                   preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (min(SOFT_LIMIT, hard), hard)))
         try:
             for _ in range(100):
                 try:

@@ -66,6 +66,28 @@ inline Splats vectors_of(ImportVectors import, const Bytes& bytes) {
   check_sound(splats);
   return splats;
 }
+/// Returns `count` splats with random shapes, opacities, colours and harmonics, the same in each run.
+inline gs::qnv::Gaussians random_gaussians(std::size_t count, int degree) {
+  std::mt19937 random(5);
+  std::normal_distribution<float> normal;
+  std::uniform_real_distribution<float> even(0.02f, 0.98f);
+  gs::app::SplatModel model;
+  model.format = "test";
+  model.axes = gs::app::kFromRightUpBack;
+  model.set_degree(degree);
+  model.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    model.positions[i] = glm::dvec3(normal(random), normal(random), normal(random));
+    model.scales[i] = {even(random), even(random), even(random)};
+    model.rotations[i] = {normal(random), normal(random), normal(random), normal(random)};
+    model.opacities[i] = even(random);
+    model.dc[i] = (glm::vec3(even(random), even(random), even(random)) - 0.5f) * 4.0f;
+    for (std::size_t k = 0; k < gs::qnv::harmonic_count(degree); ++k)
+      model.coefficient(i, k) = glm::vec3(normal(random), normal(random), normal(random)) * 0.2f;
+  }
+  return vectors_of_splats(model);
+}
+
 /// Checks the invariants of imported Gaussians.
 inline void check_gaussians(const gs::qnv::Gaussians& gaussians) {
   check_sound(gaussians);

@@ -5,6 +5,7 @@
 #include "app/formats/qnv/geometry_reader.h"
 #include "app/formats/volume/volume_common.h"
 #include "app/script/script_runner.h"
+#include "app/session/live/live_control.h"
 #include "base/gzip.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/sampling/volume/gradients.h"
@@ -47,6 +48,15 @@ void check_scene(const vrml::SceneGraph& scene) {
   }
   render::MeshCache meshes;
   (void)render::collect(scene, {}, meshes);
+}
+
+// Reads the JSON of a running simulation.
+bool run_live_state(std::span<const std::byte> bytes) {
+  const auto state = read_live_state(text_of(bytes));
+  if (!state) return false;
+  for (const LiveParameter& one : state->parameters)
+    require(!one.name.empty() && one.minimum <= one.maximum && std::isfinite(one.value));
+  return true;
 }
 
 bool run_vrml(const ContentType& type, std::span<const std::byte> bytes) {
@@ -258,6 +268,7 @@ std::vector<FuzzTarget> fuzz_targets() {
                                      {"programs", run_program},
                                      {"control_messages", run_control_messages},
                                      {"program_messages", run_program_messages},
+                                     {"live_state", run_live_state},
                                      {"asset_transfer", run_asset_transfer, kMaxBytes},
                                      {"volume_transfer", run_volume_transfer, kMaxBytes}};
   constexpr std::size_t kMaxWorld = 65536;

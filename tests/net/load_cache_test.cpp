@@ -1,6 +1,8 @@
 #include <catch2/catch.hpp>
 
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 
 #include "tests/net/load_helpers.h"
 
@@ -234,6 +236,49 @@ TEST_CASE("limits cached bytes that wait for a slow owner") {
   CHECK(cache.bench->queue->queued_bytes() > 1'000'000);
   cache.bench->run();
   CHECK(cache.bench->outcomes[id].text() == text);
+}
+
+TEST_CASE("sends the signature of a presigned URL with each range, and caches the object without it") {
+  CacheBench cache;
+  const std::string text = pattern(300'000), object = "memory://store/a.qnv?versionId=3";
+  const auto url = [&](const std::string& signature) {
+    return object + "&X-Amz-Credential=K%2Fs3&X-Amz-Expires=900&X-Amz-Signature=" + signature;
+  };
+  for (const char* const signature : {"first", "second"}) {
+    MemoryResource resource;
+    resource.bytes = bytes_of(text);
+    resource.validator.etag = "\"1\"";
+    cache.bench->network->put(url(signature), resource);
+  }
+  const auto load = [&](const std::string& signature, std::vector<ByteRange> ranges) {
+    Request request;
+    request.url = url(signature);
+    request.ranges = std::move(ranges);
+    return cache.bench->load(request);
+  };
+  CHECK_FALSE(load("first", {{0, 50'000}, {100'000, 120'000}}).error);
+  const Outcome again = load("second", {{0, 60'000}});
+  CHECK(again.pieces.at(0) == text.substr(0, 60'000));
+  for (const TransferRequest& transfer : cache.bench->network->transfers())
+    CHECK(transfer.url.find("&X-Amz-Credential=K%2Fs3&X-Amz-Expires=900&X-Amz-Signature=") != std::string::npos);
+  const TransferRequest last = cache.bench->network->transfers().back();
+  CHECK(last.url == url("second"));
+  REQUIRE(last.range);
+  CHECK(last.range->begin == 50'000);
+  // No file of the cache holds a signature.
+  std::size_t files = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(cache.folder.path())) {
+    if (!entry.is_regular_file()) continue;
+    std::ifstream file(entry.path(), std::ios::binary);
+    const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+    CHECK(bytes.find("X-Amz") == std::string::npos);
+    ++files;
+  }
+  CHECK(files > 0);
+  const Outcome failed = load("expired", {{0, 10}});
+  REQUIRE(failed.error);
+  CHECK(failed.error->message.find("versionId=3") != std::string::npos);
+  CHECK(failed.error->message.find("expired") == std::string::npos);
 }
 
 }  // namespace

@@ -87,6 +87,7 @@ TEST_CASE("docs/serving.md: configures nginx so that the loader works with it") 
   ServedSite files;
   const std::string bytes = binary_pattern(10'000);
   files.write("a.qnv", bytes);
+  files.write("immutable/a.1.qnv", bytes);
   files.write("b.wrl", "#VRML V2.0 utf8\n");
   files.write("b.wrl.gz", "compressed");
   files.write("c.unknown", "?");
@@ -108,6 +109,8 @@ TEST_CASE("docs/serving.md: configures nginx so that the loader works with it") 
   CHECK(whole.headers.at("access-control-expose-headers").find("Content-Range") != std::string::npos);
   CHECK(whole.headers.at("x-content-type-options") == "nosniff");
   CHECK(whole.headers.at("cache-control") == "no-cache");
+  CHECK(get("/immutable/a.1.qnv").headers.at("cache-control") == "public, max-age=31536000, immutable");
+  CHECK(get("/immutable/a.1.qnv").headers.at("access-control-allow-origin") == "*");
   const std::string tag = whole.headers.at("etag");
   CHECK(tag.front() == '"');
   const Got range = get("/a.qnv", {"Range: bytes=100-199", "If-Range: " + tag});

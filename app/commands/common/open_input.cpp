@@ -375,4 +375,17 @@ std::optional<std::string> choose_component(const VoxelComponent& component, Ope
   return std::nullopt;
 }
 
+std::optional<std::string> edit_input(const SplatEdit& edit, OpenedInput& input) {
+  if (edit.empty()) return std::nullopt;
+  auto* const geometry = std::get_if<qnv::Geometry>(&input.content);
+  auto* const splats = geometry ? geometry->as<qnv::Gaussians>() : nullptr;
+  const std::string first = options_of(edit).front();
+  if (!splats) return first + " edits Gaussian splats; expected a file of splats";
+  if (edit.outside && !edit.box && !edit.ball) return "--crop-outside needs --crop-box or --crop-sphere";
+  const SplatsRemoved removed = edit_splats(*splats, edit);
+  if (splats->empty()) return first + " leaves no splat of " + std::to_string(removed.before);
+  for (std::string& message : messages_of(removed)) input.losses.push_back(std::move(message));
+  return std::nullopt;
+}
+
 }  // namespace gs::app

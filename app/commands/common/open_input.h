@@ -70,6 +70,10 @@ struct OpenedInput {
 /// message if the stream does not have it.
 [[nodiscard]] std::optional<std::string> choose_component(const VoxelComponent& component, OpenedInput& input);
 
+/// Applies the user's edit of Gaussian splats, and adds a loss for each reason why splats were removed. Returns a
+/// message if the input has no splats, or if none remains.
+[[nodiscard]] std::optional<std::string> edit_input(const SplatEdit& edit, OpenedInput& input);
+
 /// Returns the values of a volume: of its file, or those that its stream holds. Returns null for other inputs.
 [[nodiscard]] const qnv::VolumeSource* values_of(const OpenedInput& input);
 

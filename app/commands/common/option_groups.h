@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/formats/common/upright.h"
+#include "app/formats/splats/splat_edit.h"
 #include "app/formats/volume/raw_volume.h"
 #include "app/loading/world_loader.h"
 #include "app/picture/animation_request.h"
@@ -51,11 +52,16 @@ struct UpOption {
   std::optional<UpAxis> up;  // nullopt means the axis from the settings or the file
 };
 
+/// Changes of Gaussian splats before they are written.
+struct SplatEditOptions {
+  SplatEdit splats;
+};
+
 /// Encoding of a stream in the words of users (`--method`).
 enum class EncodeMethod : std::uint8_t { automatic, displaced, octree, records, outlines, values, gaussians };
 
 /// Options of commands that convert an input to vectors.
-struct ConversionOptions : InputOptions, UpOption {
+struct ConversionOptions : InputOptions, UpOption, SplatEditOptions {
   std::size_t vectors = 0;  // number of vectors; 0 means that the option is not given
   double fraction = 0;      // fraction of the vectors; 0 means that the option is not given
   std::optional<double> isovalue;
@@ -65,6 +71,7 @@ struct ConversionOptions : InputOptions, UpOption {
   qnv::ValueTolerance value_tolerance;  // values of a volume
   std::optional<double> parity;         // share of lost chunks that parity restores; nullopt: as the codec chooses
   std::uint64_t seed = 1;
+  std::uint64_t most_voxels = 0;  // voxels that are left of a volume; 0 means all
 };
 
 /// Size of pictures or of the window. Simulated input refers to a picture of this size.

@@ -3,15 +3,17 @@
 #include "base/noncopyable.h"
 #include "base/parallel.h"
 
+#include <string>
 #include <thread>
 
 namespace gs::app {
 
-/// Progress of a long operation, as stage and percent on standard error. Shown only on a terminal. While the object
+/// Progress of a long operation, as stage and percent on standard error. Shown only on a terminal; with `lines`, other
+/// outputs get a line every few seconds. While the object
 /// exists, Ctrl-C cancels the operation. A second Ctrl-C ends the program. Only one object may exist at a time.
 class ProgressBar : NonCopyable {
  public:
-  ProgressBar();
+  explicit ProgressBar(bool lines = false);
   ~ProgressBar();
 
   /// Returns the progress of the whole operation, for its code to update.
@@ -23,7 +25,7 @@ class ProgressBar : NonCopyable {
   [[nodiscard]] bool cancelled() const { return whole_.cancelled; }
 
  private:
-  void draw();
+  [[nodiscard]] std::string text(int width) const;
 
   Progress whole_, part_;
   std::jthread thread_;  // last member, so that the thread ends before the others are destroyed

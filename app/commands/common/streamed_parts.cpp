@@ -2,6 +2,7 @@
 
 #include "app/base/console.h"
 #include "app/streams/stream_feed.h"
+#include "net/base/url_signature.h"
 
 #include <algorithm>
 #include <chrono>
@@ -22,7 +23,7 @@ void receive_for_picture(WorldLoading& loading, const LoadedWorld& world, double
     for (const auto& feed : world.feeds) {
       any = feed->apply() || any;
       if (const std::string problem = feed->take_problem(); !problem.empty())
-        complain("%s: warning: %s", world.path.c_str(), problem.c_str());
+        complain("%s: warning: %s", net::without_signature(world.path).c_str(), problem.c_str());
     }
     return any;
   };
@@ -36,7 +37,8 @@ void receive_for_picture(WorldLoading& loading, const LoadedWorld& world, double
     } while (loading.streaming() && !loading.streams_rest() && Clock::now() < until);
     if (!any) return;
     if (Clock::now() >= until) {
-      complain("%s: warning: the time limit for loading was reached; the received part is shown", world.path.c_str());
+      complain("%s: warning: the time limit for loading was reached; the received part is shown",
+               net::without_signature(world.path).c_str());
       return;
     }
   }

@@ -5,6 +5,7 @@
 #include "app/commands/common/shared.h"
 #include "app/encode/surface_triangles.h"
 #include "app/encode/textured_surface.h"
+#include "app/formats/qnv/geometry_reader.h"
 #include "app/loading/updates/limit_report.h"
 #include "base/text.h"
 #include "qnv/codecs/encode.h"
@@ -153,6 +154,12 @@ std::variant<qnv::Volume, EncodeError> gradients(const qnv::VolumeSource& volume
   return std::move(std::get<qnv::Volume>(found));
 }
 
+// Reports whether the stream of a volume has its values, not its gradients.
+bool keeps_values(const ConversionOptions& options) {
+  const bool selects_gradients = options.vectors > 0 || options.fraction > 0;
+  return options.method == EncodeMethod::values || (options.method == EncodeMethod::automatic && !selects_gradients);
+}
+
 }  // namespace
 
 Upright wanted_upright(const ConversionOptions& options, const OpenedInput& input) {
@@ -160,6 +167,11 @@ Upright wanted_upright(const ConversionOptions& options, const OpenedInput& inpu
   if (const auto* volume = std::get_if<qnv::VolumeSource>(&input.content))
     if (const auto stated = stated_upright(volume->layout.metadata)) return *stated;
   return input.upright;
+}
+
+bool encodes_values(const ConversionOptions& options, const OpenedInput& input) {
+  const auto* const volume = std::get_if<qnv::VolumeSource>(&input.content);
+  return volume && !volume->layout.labels && !options.isovalue && options.exact_bits <= 0 && keeps_values(options);
 }
 
 std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptions& options, const OpenedInput& input,
@@ -170,9 +182,12 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
   encode_options.vectors = options.vectors;
   if (options.max_bytes_given) encode_options.max_bytes = options.max_bytes;
   encode_options.parity = options.parity;
+  encode_options.threads = output.threads;
   if (options.isovalue && !values_of(input)) return not_a_volume(path);
   if (options.method == EncodeMethod::values && !std::holds_alternative<qnv::VolumeSource>(input.content))
     return EncodeError{"--method values applies to volumes only; leave it out"};
+  if (options.most_voxels > 0 && !std::holds_alternative<qnv::VolumeSource>(input.content))
+    return EncodeError{"--most-voxels applies to volumes only; leave it out"};
   const auto* const splats = std::get_if<qnv::Geometry>(&input.content);
   if (options.method == EncodeMethod::gaussians && !(splats && splats->as<qnv::Gaussians>()))
     return EncodeError{"--method gaussians applies to Gaussian splats only; leave it out"};
@@ -202,8 +217,7 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
     return encode(vectors, request, progress);
   }
   const auto& volume = std::get<qnv::VolumeSource>(input.content);
-  const bool selects_gradients = options.vectors > 0 || options.fraction > 0;
-  if (options.method == EncodeMethod::values || (options.method == EncodeMethod::automatic && !selects_gradients)) {
+  if (keeps_values(options)) {
     if (volume.layout.type == qnv::VoxelType::f64 && !volume.layout.labels)
       complain("ghostspace: warning: %s: values of float64 are stored as float32", path.c_str());
     const qnv::VolumeSource& first = volume.components.empty() ? volume : volume.components.front();
@@ -211,6 +225,7 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
     encode_options.tolerance = options.value_tolerance;
     encode_options.spill = output.spill;
     encode_options.sink = output.sink;
+    encode_options.ranks = volume.layout.labels ? nullptr : output.ranks;
     return encode(std::cref(volume), {qnv::Payload::values, std::move(encode_options)}, progress);
   }
   auto found = gradients(volume, options, progress);

@@ -22,7 +22,12 @@ namespace gs::app {
 struct EncodeOutput {
   qnv::SpillStore* spill = nullptr;
   qnv::StreamSink* sink = nullptr;
+  qnv::Ranks* ranks = nullptr;
+  unsigned threads = 0;
 };
+
+/// Reports whether encode_input() encodes the values of a volume, which several ranks share: no labels.
+[[nodiscard]] bool encodes_values(const ConversionOptions& options, const OpenedInput& input);
 
 /// Encodes an input (qnv::encode) with the settings of the options. Only volumes use `output`; other streams have their
 /// bytes in memory.

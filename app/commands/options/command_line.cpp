@@ -269,6 +269,10 @@ int run_man(const CommandOptions&) {
   return kDone;
 }
 
+bool is_child_call(int count, char** arguments) {
+  return (count == 4 && arguments[1] == kDecoderArgument) || (count == 3 && arguments[1] == script::kProgramsArgument);
+}
+
 int run_command_line(int count, char** arguments) {
   if (count == 4 && arguments[1] == kDecoderArgument)
     run_decoder_child(arguments[2], arguments[3], {import_in_child, volume_of_child, load_datasets});

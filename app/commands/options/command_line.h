@@ -11,6 +11,9 @@ struct CommandOptions;
 /// Prints the manual page.
 int run_man(const CommandOptions&);
 
+/// Reports whether a command line starts a child process of this program, which decodes files or runs Scripts.
+[[nodiscard]] bool is_child_call(int count, char** arguments);
+
 /// Parses a command line and runs the command. Prints usage errors. Returns the exit status.
 int run_command_line(int count, char** arguments);
 

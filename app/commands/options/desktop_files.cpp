@@ -40,6 +40,7 @@ constexpr DesktopType kDesktopTypes[] = {
     {"application/x-vtk", "VTK surface or grid", "# vtk DataFile Version", "", ""},
     {"model/x-spz", "SPZ Gaussian splats", "NGSP", "", ""},
     {"model/x-splat", "Gaussian splats", "", "", ""},
+    {"model/x-rad", "RAD Gaussian splats", "RAD0", "", ""},
     {"model/x-ksplat", "KSplat Gaussian splats", "", "", ""},
     {"text/x-xyz", "Points of a 3D scan", "", ".xyz ", ""},
     {"application/x-avs-field", "AVS field", "# AVS", ".fld ", ""},

@@ -126,6 +126,12 @@ Problem set_any_isovalue(CommandOptions& options, const std::string& value) {
   return picture ? set_isovalue_of_picture(*picture, value) : with<set_isovalue>(options, value);
 }
 
+Problem set_most_voxels(ConversionOptions& options, const std::string& value) {
+  return read_bytes(value, options.most_voxels) && options.most_voxels > 0
+             ? Problem{}
+             : "expected a number of voxels above 0, such as 500000 or 1M";
+}
+
 Problem set_seed(ConversionOptions& options, const std::string& value) {
   return read(value, options.seed) ? Problem{} : "expected a whole number";
 }
@@ -175,6 +181,9 @@ constexpr OptionRow kEncodeOptions[] = {
      "encode: keep this share of the voxels, vectors or triangles (0 to 1, or 30%). Pictures: draw this share of the "
      "voxels of a volume as vectors (0.005 to 0.5, usually 0.09)",
      "open animate encode ", set_any_fraction},
+    {"--most-voxels", "N", "",
+     "volumes: keep every n-th voxel along each axis, so that at most this number is left, optionally with K or M: 1M",
+     "encode ", with<set_most_voxels>},
     {"--isovalue", "V", "",
      "extract the surface of a volume, or of a stream of its values, at this value instead of its gradients",
      "open animate encode export ", set_any_isovalue},
@@ -183,6 +192,8 @@ constexpr OptionRow kEncodeOptions[] = {
      "(0.1%). Of Gaussian splats: of the positions of large splats, as a percentage of their deviations (usually 5%); "
      "shapes and colours follow",
      "encode ", with<set_error>},
+    {"--resume", "", "", "of ghostspace-mpi: continue a run that ended early, with the same input and options",
+     "encode ", flag<&EncodeCommand::resume>},
     {"--lossless", "", "", "values of a volume: restore the stored voxels bit for bit; float64 is stored as float32",
      "encode ", with<set_lossless>},
     {"--parity", "SHARE", "",

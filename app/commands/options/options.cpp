@@ -6,6 +6,7 @@
 #include "app/commands/options/option_values.h"
 #include "app/commands/options/picture_options.h"
 #include "app/commands/options/setters.h"
+#include "app/commands/options/splat_options.h"
 #include "app/commands/serve.h"
 #include "app/commands/trace.h"
 #include "base/text.h"
@@ -228,6 +229,18 @@ Problem set_proxies(ArchiveOptions& options, const std::string& value) {
   return good ? Problem{} : "expected addresses or blocks such as 10.0.0.0/8, separated by commas";
 }
 
+Problem set_connections(ArchiveOptions& options, const std::string& value) {
+  constexpr std::size_t kMax = 1'000'000;
+  if (read(value, options.connections) && options.connections > 0 && options.connections <= kMax) return {};
+  return "expected a number from 1 to 1,000,000";
+}
+
+Problem set_max_age(ArchiveOptions& options, const std::string& value) {
+  constexpr std::int64_t kMax = 315'360'000;
+  if (read(value, options.max_age) && options.max_age >= 0 && options.max_age <= kMax) return {};
+  return "expected seconds from 0 to 315,360,000 (ten years)";
+}
+
 constexpr OptionRow kOptions[] = {
     {"--snapshot", "OUT.png", "", "write a picture without opening a window, and exit", "open ", with<set_snapshot>},
     {"--size", "WxH", "1024x768", "size of the window or picture in pixels; pictures also in mm, cm or in: 210x297mm",
@@ -337,6 +350,12 @@ constexpr OptionRow kOtherOptions[] = {
      "trusted proxies, as addresses or blocks (10.0.0.0/8). Per-client limits apply to the client in their "
      "X-Forwarded-For",
      "serve ", with<set_proxies>},
+    {"--connections", "N", "4096", "limit the HTTP connections of all clients together", "serve ",
+     with<set_connections>},
+    {"--max-age", "SECONDS", "0",
+     "let clients and CDNs use files for this time without asking again; from a year (31536000) on, also marked as "
+     "immutable. For files that never change under one name",
+     "serve ", with<set_max_age>},
     {"--rate", "BIT/S", "",
      "serve: limit the traffic of all clients together; otherwise: request this rate from cell servers and limit other "
      "servers to it. In a window the limit applies to each viewport and can be changed there",
@@ -366,8 +385,9 @@ bool accepts(const CommandRow& command, const OptionRow& option) {
 std::span<const OptionRow> option_rows() {
   static const std::vector<OptionRow> all = [] {
     std::vector<OptionRow> rows;
-    for (const std::span<const OptionRow> part : {std::span<const OptionRow>(kOptions), encode_option_rows(),
-                                                  std::span<const OptionRow>(kOtherOptions), picture_option_rows()})
+    for (const std::span<const OptionRow> part :
+         {std::span<const OptionRow>(kOptions), encode_option_rows(), splat_option_rows(),
+          std::span<const OptionRow>(kOtherOptions), picture_option_rows()})
       rows.insert(rows.end(), part.begin(), part.end());
     return rows;
   }();

@@ -310,7 +310,8 @@ constexpr OptionRow kPictureOptions[] = {
      "open animate encode export info ", set_channel},
     {"--flow", "values|arrows|streamlines", "values",
      "draw the vectors of a volume with two or three components as values (one component or the magnitude), as arrows "
-     "on a thinned grid, or as streamlines; colours show the length of the vectors",
+     "on a thinned grid, or as streamlines; vectors at the points of a surface as values or arrows; colours show the "
+     "length of the vectors",
      "open animate ", set_flow},
     {"--surface-map", "grey|viridis|cividis|inferno|magma|turbo|coolwarm", "viridis",
      "colour map of data on surfaces, arrows and streamlines", "open animate ", set_surface_map},

@@ -1,5 +1,5 @@
 #include "app/formats/avs/ucd_mesh.h"
-#include "app/formats/common/ply_source.h"
+#include "app/formats/ply/ply_source.h"
 
 #include <algorithm>
 

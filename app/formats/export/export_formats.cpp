@@ -9,6 +9,11 @@
 namespace gs::app {
 namespace {
 
+constexpr std::string_view kSpzRounding =
+    "SPZ rounds splats: sizes to 3 %, opacities to 0.2 %, colours to 0.4 %, harmonics to 0.4 % between -1 and 1";
+constexpr std::string_view kSogRounding =
+    "SOG rounds splats: 16 bits per coordinate, 256 values for sizes and colours, a palette of harmonics";
+
 constexpr ExportFormat kExportFormats[] = {
     {"ply", ".ply", "PLY mesh or points with normals, colours and areas", export_points_ply,
      kKeepsTriangles | kKeepsColors},
@@ -21,8 +26,12 @@ constexpr ExportFormat kExportFormats[] = {
     {"stl", ".stl", "STL mesh, binary, without colours", export_stl, kKeepsTriangles | kNeedsTriangles},
     {"obj", ".obj", "OBJ mesh with colours, and its material and texture beside it", export_obj,
      kKeepsTriangles | kKeepsColors | kKeepsTexture | kKeepsShine | kNeedsTriangles},
-    {"spz", ".spz", "Gaussian splats as SPZ version 4 (zstd)", export_spz, kKeepsColors | kKeepsGaussians},
-    {"spz3", ".v3.spz", "Gaussian splats as SPZ version 3 (gzip)", export_spz3, kKeepsColors | kKeepsGaussians},
+    {"spz", ".spz", "Gaussian splats as SPZ version 4 (zstd)", export_spz, kKeepsColors | kKeepsGaussians, nullptr,
+     kSpzRounding},
+    {"spz3", ".v3.spz", "Gaussian splats as SPZ version 3 (gzip)", export_spz3, kKeepsColors | kKeepsGaussians, nullptr,
+     kSpzRounding},
+    {"sog", ".sog", "Gaussian splats as SOG version 2 (PlayCanvas)", export_sog, kKeepsColors | kKeepsGaussians,
+     nullptr, kSogRounding},
     {"vrml97", ".wrl", "VRML97 for any browser: scenes and meshes with all nodes; vectors as points",
      export_vrml97_points, kKeepsColors},
     {"vrml97-patches", ".patches.wrl", "VRML97 for any browser: a square for each vector", export_vrml97_patches,
@@ -68,7 +77,8 @@ std::vector<std::string> export_losses(const ExportFormat& format, const qnv::Ge
   if (geometry.as<qnv::Gaussians>() && lacks(kKeepsGaussians))
     for (const auto& [key, value] : vectors.description.metadata)
       if (key == kSplatsAsDiscs)
-        losses.push_back("splats become " + value + "; .3dgs.ply, .spz and .splats.glb keep everything");
+        losses.push_back("splats become " + value + "; .3dgs.ply, .spz, .sog and .splats.glb keep them");
+  if (geometry.as<qnv::Gaussians>() && !format.rounding.empty()) losses.emplace_back(format.rounding);
   if (volume && !volume->classes.empty()) losses.push_back("the values of the voxels become colours");
   return losses;
 }

@@ -1,7 +1,7 @@
 #include "app/formats/common/content_type.h"
 #include "app/formats/common/mesh_asset.h"
-#include "app/formats/common/ply_header.h"
-#include "app/formats/common/ply_source.h"
+#include "app/formats/ply/ply_header.h"
+#include "app/formats/ply/ply_source.h"
 #include "base/text.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #include "app/formats/mesh/points.h"
 
-#include "app/formats/common/ply_table.h"
 #include "app/formats/mesh/point_vectors.h"
+#include "app/formats/ply/ply_table.h"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/formats/common/ply_table.h"
+#include "app/formats/ply/ply_table.h"
 #include "app/formats/splats/splats.h"
 
 #include <algorithm>

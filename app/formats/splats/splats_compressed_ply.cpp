@@ -1,5 +1,5 @@
 #include "app/formats/common/byte_order.h"
-#include "app/formats/common/ply_table.h"
+#include "app/formats/ply/ply_table.h"
 #include "app/formats/splats/ply_harmonics.h"
 #include "app/formats/splats/splats.h"
 

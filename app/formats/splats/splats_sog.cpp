@@ -38,42 +38,26 @@ struct Pixels {
   [[nodiscard]] std::size_t count() const { return width * height; }
 };
 
-/// Files of a SOG: an archive, or those beside meta.json.
-class SogFiles {
- public:
-  SogFiles(const ImportSource& source, std::optional<ZipArchive> archive)
-      : source_(source), archive_(std::move(archive)) {}
-
-  [[nodiscard]] std::variant<Pixels, std::string> image(const std::string& name) const {
-    SharedBytes file;
-    if (archive_) {
-      auto unpacked = archive_->read(name, source_.budget);
-      if (auto* problem = std::get_if<std::string>(&unpacked)) return std::move(*problem);
-      file = shared_bytes(std::move(std::get<std::vector<std::byte>>(unpacked)));
-    } else {
-      if (!source_.read_file) return name + " is not available";
-      BytesResult read = source_.read_file(name);
-      if (auto* problem = std::get_if<std::string>(&read)) return std::move(*problem);
-      file = std::get<SharedBytes>(std::move(read));
-    }
-    const auto* const data = reinterpret_cast<const std::uint8_t*>(file.bytes.data());
-    int width = 0, height = 0;
-    if (!WebPGetInfo(data, file.bytes.size(), &width, &height)) return name + " is not a WebP image";
-    Pixels pixels;
-    pixels.width = static_cast<std::size_t>(width);
-    pixels.height = static_cast<std::size_t>(height);
-    pixels.share = Share(source_.budget, Resource::files);
-    if (!pixels.share.grow(4 * pixels.count())) return name + " needs " + source_.budget->refusal(Resource::files);
-    pixels.rgba.resize(4 * pixels.count());
-    if (!WebPDecodeRGBAInto(data, file.bytes.size(), pixels.rgba.data(), pixels.rgba.size(), 4 * width))
-      return name + " is damaged";
-    return pixels;
-  }
-
- private:
-  const ImportSource& source_;
-  std::optional<ZipArchive> archive_;
-};
+/// Decodes an image of a SOG.
+std::variant<Pixels, std::string> decoded_image(const std::string& name, const ReadFile& read,
+                                                const WorldBudget& budget) {
+  if (!read) return name + " is not available";
+  BytesResult result = read(name);
+  if (auto* problem = std::get_if<std::string>(&result)) return std::move(*problem);
+  const SharedBytes file = std::get<SharedBytes>(std::move(result));
+  const auto* const data = reinterpret_cast<const std::uint8_t*>(file.bytes.data());
+  int width = 0, height = 0;
+  if (!WebPGetInfo(data, file.bytes.size(), &width, &height)) return name + " is not a WebP image";
+  Pixels pixels;
+  pixels.width = static_cast<std::size_t>(width);
+  pixels.height = static_cast<std::size_t>(height);
+  pixels.share = Share(budget, Resource::files);
+  if (!pixels.share.grow(4 * pixels.count())) return name + " needs " + budget->refusal(Resource::files);
+  pixels.rgba.resize(4 * pixels.count());
+  if (!WebPDecodeRGBAInto(data, file.bytes.size(), pixels.rgba.data(), pixels.rgba.size(), 4 * width))
+    return name + " is damaged";
+  return pixels;
+}
 
 /// Reads a list of `count` finite numbers.
 std::optional<std::vector<float>> sog_numbers(const Json& from, const char* key, std::size_t count) {
@@ -97,9 +81,10 @@ const Json& member(const Json& from, const char* key) {
 /// Reader of one SOG, version 1 or 2.
 class SogReader {
  public:
-  SogReader(const Json& meta, const SogFiles& files) : meta_(meta), files_(files) {}
+  SogReader(const Json& meta, const ReadFile& read) : meta_(meta), read_(read) {}
 
   Problem read(SplatModel& model, const WorldBudget& budget) {
+    budget_ = budget;
     version_ = meta_.value("version", Json()).is_number() ? meta_["version"].get<int>() : 1;
     if (version_ < 1 || version_ > 2) return "SOG version " + std::to_string(version_) + "; expected 1 or 2";
     if (auto problem = find_count()) return problem;
@@ -147,7 +132,7 @@ class SogReader {
       return std::string("meta.json names no file of the ") + content;
     const std::string name = (*files)[number].get<std::string>();
     if (name.find_first_of("/\\:") != std::string::npos) return "meta.json names a file in another folder: " + name;
-    auto image = files_.image(name);
+    auto image = decoded_image(name, read_, budget_);
     if (auto* problem = std::get_if<std::string>(&image)) return std::move(*problem);
     to = std::move(std::get<Pixels>(image));
     if (per_splat && to.count() < count_)
@@ -268,7 +253,8 @@ class SogReader {
   }
 
   const Json& meta_;
-  const SogFiles& files_;
+  const ReadFile& read_;
+  WorldBudget budget_;
   int version_ = 1, degree_ = 0;
   std::size_t count_ = 0;
   Pixels low_, high_, scales_, rotations_, colors_, centroids_, labels_;
@@ -276,29 +262,36 @@ class SogReader {
 };
 
 std::variant<qnv::Splats, qnv::Gaussians, std::string> import_sog(const ImportSource& source) {
-  std::optional<ZipArchive> archive;
-  std::vector<std::byte> unpacked;
-  std::span<const std::byte> text = source.bytes;
-  if (is_zip(source.bytes)) {
-    auto opened = ZipArchive::open(source.bytes);
-    if (auto* problem = std::get_if<std::string>(&opened)) return std::move(*problem);
-    archive = std::move(std::get<ZipArchive>(opened));
-    auto meta = archive->read(std::string(kMeta), source.budget);
-    if (auto* problem = std::get_if<std::string>(&meta)) return std::move(*problem);
-    unpacked = std::move(std::get<std::vector<std::byte>>(meta));
-    text = unpacked;
-  }
-  if (text.size() > kMostMeta) return "meta.json has " + std::to_string(text.size()) + " bytes; expected at most 4 MiB";
-  const auto* const characters = reinterpret_cast<const char*>(text.data());
-  const Json meta = Json::parse(characters, characters + text.size(), nullptr, false);
-  if (!meta.is_object()) return "meta.json is not a JSON object";
-  const SogFiles files(source, std::move(archive));
   SplatModel model;
-  if (auto problem = SogReader(meta, files).read(model, source.budget)) return std::move(*problem);
+  if (!is_zip(source.bytes)) {
+    if (auto problem = read_sog_model(source.bytes, source.read_file, source.budget, model)) return std::move(*problem);
+    return import_result(model);
+  }
+  auto opened = ZipArchive::open(source.bytes);
+  if (auto* problem = std::get_if<std::string>(&opened)) return std::move(*problem);
+  const ZipArchive& archive = std::get<ZipArchive>(opened);
+  const ReadFile read = [&](const std::string& name) -> BytesResult {
+    auto unpacked = archive.read(name, source.budget);
+    if (auto* problem = std::get_if<std::string>(&unpacked)) return std::move(*problem);
+    return shared_bytes(std::move(std::get<std::vector<std::byte>>(unpacked)));
+  };
+  const BytesResult meta = read(std::string(kMeta));
+  if (const auto* problem = std::get_if<std::string>(&meta)) return *problem;
+  if (auto problem = read_sog_model(std::get<SharedBytes>(meta).bytes, read, source.budget, model))
+    return std::move(*problem);
   return import_result(model);
 }
 
 }  // namespace
+
+std::optional<std::string> read_sog_model(std::span<const std::byte> text, const ReadFile& read,
+                                          const WorldBudget& budget, SplatModel& model) {
+  if (text.size() > kMostMeta) return "meta.json has " + std::to_string(text.size()) + " bytes; expected at most 4 MiB";
+  const auto* const characters = reinterpret_cast<const char*>(text.data());
+  const Json meta = Json::parse(characters, characters + text.size(), nullptr, false);
+  if (!meta.is_object()) return "meta.json is not a JSON object";
+  return SogReader(meta, read).read(model, budget);
+}
 
 bool is_splats_sog(std::span<const std::byte> bytes) {
   const std::string_view all(reinterpret_cast<const char*>(bytes.data()), bytes.size());

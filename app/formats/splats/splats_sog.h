@@ -1,11 +1,17 @@
 #pragma once
 
+#include "app/base/read_file.h"
 #include "app/formats/common/asset.h"
+#include "base/budget.h"
 
 #include <cstddef>
+#include <optional>
 #include <span>
+#include <string>
 
 namespace gs::app {
+
+struct SplatModel;
 
 /// Returns true for PlayCanvas SOG: splats as WebP images, in a ZIP archive or beside their meta.json.
 [[nodiscard]] bool is_splats_sog(std::span<const std::byte> bytes);
@@ -13,5 +19,17 @@ namespace gs::app {
 /// Imports SOG, version 1 or 2. The axes are right, down, forward. Images beside meta.json are read with
 /// `source.read_file`. Safe for untrusted input; memory is charged to the budget.
 [[nodiscard]] Asset read_splats_sog(const ImportSource& source);
+
+/// Reads a SOG into `model` from the text of its meta.json and the images that this names. Returns a message on
+/// failure. Safe for untrusted input; memory is charged to the budget.
+[[nodiscard]] std::optional<std::string> read_sog_model(std::span<const std::byte> meta, const ReadFile& read,
+                                                        const WorldBudget& budget, SplatModel& model);
+
+/// Returns true for streamed SOG: lod-meta.json, which lists SOGs of several levels of detail.
+[[nodiscard]] bool is_splats_sog_levels(std::span<const std::byte> bytes);
+
+/// Imports streamed SOG: of each part of the scene, the finest level that fits into memory and can be read. Reads only
+/// the files of these levels. Warns if finer levels are left out. Safe for untrusted input.
+[[nodiscard]] Asset read_splats_sog_levels(const ImportSource& source);
 
 }  // namespace gs::app

@@ -49,6 +49,18 @@ qnv::VolumeSource thinned(const qnv::VolumeSource& source, std::uint32_t step) {
   return coarse;
 }
 
+std::uint32_t step_for_voxels(const qnv::VolumeLayout& layout, std::uint64_t most) {
+  const auto left = [&](std::uint32_t step) {
+    std::uint64_t voxels = 1;
+    for (const std::uint32_t side : layout.dimensions) voxels *= side == 0 ? 0 : (side - 1) / step + 1;
+    return voxels;
+  };
+  const auto longest = *std::max_element(std::begin(layout.dimensions), std::end(layout.dimensions));
+  std::uint32_t step = 1;
+  while (step < longest && left(step) > most) ++step;
+  return step;
+}
+
 void add_coarser(qnv::VolumeSource& source) {
   const std::uint64_t voxels = qnv::voxel_count(source.layout);
   if (!source.coarser.empty() || voxels < kLongVoxels) return;

@@ -1,5 +1,7 @@
 #include "app/formats/vtk/poly_data.h"
 
+#include "app/formats/flow/flow_faces.h"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -175,6 +177,33 @@ std::optional<ColorKey> key_of_blocks(std::span<const PolyBlock> blocks, MeshBui
   return color_key_of_choice(all, valued[0]->title, builder.choice());
 }
 
+/// Reports whether arrows are chosen and there are vectors for them.
+bool has_arrows(std::span<const PolyBlock> blocks, const MeshBuilder& builder) {
+  return builder.choice().flow == FlowForm::arrows &&
+         std::ranges::any_of(blocks, [](const PolyBlock& block) { return !block.data.of_points.vectors.empty(); });
+}
+
+void build_arrows(std::vector<PolyBlock> blocks, MeshBuilder& builder) {
+  std::string title;
+  std::vector<glm::vec3> points, vectors;
+  for (PolyBlock& block : blocks) {
+    PolyData::Data& shown = block.data.of_points;
+    builder.draw(shown.vectors.size() * 2 * sizeof(glm::vec3));
+    shown.vectors.resize(std::min(shown.vectors.size(), block.data.points.size()));
+    points.insert(points.end(), block.data.points.begin(),
+                  block.data.points.begin() + static_cast<std::ptrdiff_t>(shown.vectors.size()));
+    vectors.insert(vectors.end(), shown.vectors.begin(), shown.vectors.end());
+    if (title.empty()) title = shown.title;
+    block.data.of_points = block.data.of_cells = {};
+    // Points alone would hide the arrows.
+    const auto has_cells = [](const PolyCells& cells) { return !cells.ends.empty(); };
+    if (std::ranges::any_of(block.data.cells, has_cells)) PolyBuilder(std::move(block), std::nullopt, builder).run();
+  }
+  FlowFaces faces(builder);
+  add_point_arrows(points, vectors, faces);
+  faces.build(title);
+}
+
 }  // namespace
 
 double shown_number(std::span<const double> parts, const VoxelComponent& choice) {
@@ -183,6 +212,15 @@ double shown_number(std::span<const double> parts, const VoxelComponent& choice)
   double square = 0;
   for (const double part : parts) square += part * part;
   return std::sqrt(square);
+}
+
+void append_number(std::span<const double> parts, const VoxelComponent& choice, PolyData::Data& data) {
+  const std::size_t row = data.values.size();
+  data.values.push_back(static_cast<float>(shown_number(parts, choice)));
+  if (choice.flow != FlowForm::arrows || parts.size() < 2 || parts.size() > 3) return;
+  data.vectors.resize(row, glm::vec3(NAN));
+  const auto part = [&](std::size_t i) { return i < parts.size() ? static_cast<float>(parts[i]) : 0.0f; };
+  data.vectors.emplace_back(part(0), part(1), part(2));
 }
 
 std::string part_text(std::size_t parts, const VoxelComponent& choice) {
@@ -235,6 +273,12 @@ void build_poly_data(PolyData data, MeshBuilder& builder) {
 }
 
 void build_poly_blocks(std::vector<PolyBlock> blocks, MeshBuilder& builder) {
+  if (builder.choice().flow != FlowForm::values) {
+    if (has_arrows(blocks, builder)) return build_arrows(std::move(blocks), builder);
+    builder.warn(builder.choice().flow == FlowForm::arrows
+                     ? "no vectors of 2 or 3 components at points; values are shown instead of arrows"
+                     : "streamlines need the vectors of a volume; values are shown instead");
+  }
   const std::optional<ColorKey> key = key_of_blocks(blocks, builder);
   for (PolyBlock& block : blocks) PolyBuilder(std::move(block), key, builder).run();
   if (key) builder.set_color_key(*key);

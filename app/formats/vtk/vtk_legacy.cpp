@@ -365,7 +365,7 @@ class LegacyImporter {
         data.colors.push_back({share(0), share(1), share(2)});
         return;
       }
-      data.values.push_back(static_cast<float>(shown_number(std::span(parts).first(components), builder_.choice())));
+      append_number(std::span(parts).first(components), builder_.choice(), data);
     });
     if (!better || (!whole && data.empty())) return;
     shown = rank;

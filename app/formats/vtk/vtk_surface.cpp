@@ -260,7 +260,7 @@ void VtkSurfaceReader::read_data(std::size_t piece, std::size_t first, std::uint
       data.colors.push_back({share(0), share(1), share(2)});
       return;
     }
-    data.values.push_back(static_cast<float>(shown_number(std::span(parts).first(array->components), choice_)));
+    append_number(std::span(parts).first(array->components), choice_, data);
   });
 }
 

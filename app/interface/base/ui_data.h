@@ -2,6 +2,7 @@
 
 #include "app/formats/common/dataset_list.h"
 #include "app/formats/common/voxel_component.h"
+#include "app/session/live/live_control.h"
 
 #include <cstddef>
 #include <memory>
@@ -21,6 +22,7 @@ struct UiData {
   bool loading = false;                     // other data are being read
   std::vector<std::string> over;            // names of the contents over the viewport
   bool can_follow = false, followed = false, newest = false;
+  const LiveState* live = nullptr;  // simulation that the viewport shows, or null
 };
 
 /// Requests of the user for data in this frame.
@@ -29,6 +31,7 @@ struct UiDataActions {
   std::optional<std::size_t> file_beside, file_over;   // indices in UiModel::files
   std::optional<std::size_t> remove_over;              // index in UiData::over
   std::optional<bool> follow, newest;
+  std::optional<std::string> live, live_token;  // change of a parameter, as LiveControl::change(); and its token
 };
 
 /// Returns `choice` with another dataset of the same file. Keeps the step and the colour map.

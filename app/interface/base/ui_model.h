@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/interface/base/ui_data.h"
+#include "app/interface/base/ui_splats.h"
 #include "app/interface/base/ui_tools.h"
 #include "app/session/documents/session_log.h"
 #include "app/session/viewports/view.h"
@@ -128,6 +129,7 @@ struct UiModel {
 
   UiTools tools;
   UiData data;
+  UiSplats splats;
 };
 
 /// Requests of the user in this frame.
@@ -154,6 +156,7 @@ struct UiActions {
   std::optional<bool> restore;                                // answer to the question whether to open the lost files
   UiToolActions tools;
   UiDataActions data;
+  UiSplatActions splats;
 };
 
 }  // namespace gs::app

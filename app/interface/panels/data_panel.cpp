@@ -4,10 +4,13 @@
 #include "app/view/values/color_bar.h"
 #include "app/view/values/color_maps.h"
 #include "base/text.h"
+#include "net/serve/served_folder.h"
 
 #include <imgui.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,6 +41,12 @@ std::string data_facts(const DatasetEntry& entry) {
   std::string facts = shape_text(entry.shape) + ", " + shortened(entry.type, 30);
   if (!entry.unit.empty()) facts += ", " + shortened(entry.unit, 20);
   return facts;
+}
+
+/// Returns a text for formats of printf.
+std::string percent_free(std::string text) {
+  std::erase(text, '%');
+  return text;
 }
 
 bool is_listed(const DatasetEntry& entry, bool all, const std::string& filter) {
@@ -182,16 +191,20 @@ void DataPanel::component_rows(const UiData& data, VoxelComponent& choice) {
   if (list.components < 2) return;
   constexpr std::uint64_t kMostComponents = 256;
   const std::uint64_t count = std::min(list.components, kMostComponents);
-  if (!data.is_mesh || choice.flow != FlowForm::values) {
+  const auto entry = std::ranges::find(list.entries, list.shown, &DatasetEntry::path);
+  const bool is_surface = entry != list.entries.end() && entry->form == DatasetForm::mesh;
+  if (is_surface || !data.is_mesh || choice.flow != FlowForm::values) {
     static constexpr std::pair<FlowForm, const char*> kForms[] = {
         {FlowForm::values, "Values"}, {FlowForm::arrows, "Arrows"}, {FlowForm::streamlines, "Streamlines"}};
     data_label("Vectors", frame_->scale);
     for (const auto& [form, name] : kForms) {
+      if (form == FlowForm::streamlines && is_surface) continue;
       if (form != FlowForm::values) ImGui::SameLine(0, 1);
       if (switch_button(name, choice.flow == form)) choice.flow = form;
-      frame_->tooltips.show(form == FlowForm::values   ? "Draws one component or the magnitude as a volume"
-                            : form == FlowForm::arrows ? "Draws arrows on a thinned grid, coloured by length"
-                                                       : "Draws lines along the vectors, coloured by length");
+      frame_->tooltips.show(form == FlowForm::streamlines ? "Draws lines along the vectors, coloured by length"
+                            : form == FlowForm::arrows    ? "Draws evenly thinned arrows, coloured by length"
+                            : is_surface                  ? "Colours the surface by one component or the magnitude"
+                                                          : "Draws one component or the magnitude as a volume");
     }
     if (choice.flow != FlowForm::values) return;
   }
@@ -273,6 +286,50 @@ void DataPanel::bar_row(const UiModel& model, UiToolActions& actions) {
   frame_->tooltips.show("Shows the values of the colours beside the picture");
 }
 
+void DataPanel::live_rows(const UiData& data, UiDataActions& actions) {
+  if (!data.live || (data.live->parameters.empty() && data.live->fields.size() < 2)) return;
+  ImGui::Separator();
+  colored_text(UiColors::kQuiet, "Simulation");
+  if (data.live->fields.size() > 1) {
+    data_label("Field", frame_->scale);
+    ImGui::SetNextItemWidth(data_width());
+    if (ImGui::BeginCombo("##livefield", data.live->field.c_str())) {
+      keep_popup();
+      for (const std::string& field : data.live->fields)
+        if (ImGui::Selectable(label_of(shortened(field, kLongName), field).c_str(), field == data.live->field))
+          actions.live = "field=" + net::encode_name(field);
+      ImGui::EndCombo();
+    }
+    frame_->tooltips.show("Field that the simulation sends");
+  }
+  for (const LiveParameter& one : data.live->parameters) {
+    data_label(shortened(one.label, 20).c_str(), frame_->scale);
+    ImGui::SetNextItemWidth(data_width());
+    double value = live_name_ == one.name ? live_value_ : one.value;
+    const std::string format = (one.integer ? "%.0f" : "%.6g") + (one.unit.empty() ? "" : " " + percent_free(one.unit));
+    if (ImGui::SliderScalar(("##live" + one.name).c_str(), ImGuiDataType_Double, &value, &one.minimum, &one.maximum,
+                            format.c_str(), ImGuiSliderFlags_AlwaysClamp)) {
+      live_name_ = one.name;
+      live_value_ = one.integer ? std::round(value) : value;
+    }
+    frame_->tooltips.show("Parameter " + one.name + " of the simulation, which gets it before its next step");
+    if (!ImGui::IsItemDeactivatedAfterEdit() || live_name_ != one.name) continue;
+    char number[32];
+    const auto end = std::to_chars(number, number + sizeof number, std::clamp(live_value_, one.minimum, one.maximum));
+    actions.live = net::encode_name(one.name) + "=" + std::string(number, end.ptr);
+    live_name_.clear();
+  }
+  if (!data.live->message.empty()) {
+    ImGui::PushTextWrapPos(0);
+    colored_text(UiColors::kError, shortened(data.live->message, 300));
+    ImGui::PopTextWrapPos();
+    data_label("Token", frame_->scale);
+    (void)text_field("##livetoken", "Token of the simulation", live_token_, data_width(), false);
+    frame_->tooltips.show("Text in the token file of the simulation; needed on other machines");
+  }
+  if (actions.live && !live_token_.empty()) actions.live_token = live_token_;
+}
+
 void DataPanel::add_popup(const char* id, const UiModel& model, UiDataActions& actions, bool over) {
   if (!ImGui::BeginPopup(id)) return;
   keep_popup();
@@ -341,6 +398,7 @@ void DataPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& a
     component_rows(data, choice);
     color_rows(data, choice);
     bar_row(model, all.tools);
+    live_rows(data, all.data);
     if (!(choice == data.choice) && !all.data.choose) all.data.choose = choice;
     other_rows(model, all.data);
   }

@@ -23,6 +23,7 @@ class DataPanel final : public Panel {
   void step_rows(const UiData& data, VoxelComponent& choice, UiDataActions& actions);
   void component_rows(const UiData& data, VoxelComponent& choice);
   void color_rows(const UiData& data, VoxelComponent& choice);
+  void live_rows(const UiData& data, UiDataActions& actions);
   void bar_row(const UiModel& model, UiToolActions& actions);
   void other_rows(const UiModel& model, UiDataActions& actions);
   void add_popup(const char* id, const UiModel& model, UiDataActions& actions, bool over);
@@ -35,6 +36,8 @@ class DataPanel final : public Panel {
   std::optional<int> step_;            // that the user drags
   std::array<double, 2> range_{0, 1};  // that the user types
   std::array<double, 2> range_of_{0, 1};
+  std::string live_name_, live_token_;  // parameter that the user drags; token that the user types
+  double live_value_ = 0;
   bool popup_ = false, close_popup_ = false;
 };
 

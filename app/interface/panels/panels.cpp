@@ -4,6 +4,7 @@
 #include "app/interface/panels/inspect_panels.h"
 #include "app/interface/panels/log_panel.h"
 #include "app/interface/panels/measure_panel.h"
+#include "app/interface/panels/splats_panel.h"
 #include "app/interface/panels/transfer_panel.h"
 
 #include <algorithm>
@@ -15,6 +16,7 @@ constexpr PanelRow kPanels[] = {
     {"transfer-function", "Transfer function", DockSide::right, Action::transfer, make_panel<TransferPanel>},
     {"scene-tree", "Scene tree", DockSide::left, Action::scene_tree, make_panel<ScenePanel>},
     {"data", "Data", DockSide::right, Action::data, make_panel<DataPanel>},
+    {"splats", "Splats", DockSide::right, Action::splats, make_panel<SplatsPanel>},
     {"inspector", "Inspector", DockSide::right, Action::inspector, make_panel<InspectorPanel>},
     {"routes", "Routes", DockSide::bottom, Action::routes, make_panel<RoutesPanel>},
     {"script-console", "Script console", DockSide::bottom, Action::script_console, make_panel<ConsolePanel>},

@@ -211,7 +211,13 @@ bool GeometryHandler::show_next_version() {
   auto geometry = read_gradients(source, found_.path, !found_.local, loading_.results.diagnostics(), loading_.limit,
                                  loading_.budget);
   if (!geometry) return false;
-  if (auto* const volume = geometry->as<qnv::Volume>(); has_more() && volume && volume->values) {
+  auto* const volume = geometry->as<qnv::Volume>();
+  // Pictures are slices, which need no gradients.
+  const auto& sides = source.layout.dimensions;
+  const bool is_solid = std::all_of(sides.begin(), sides.end(), [](std::uint32_t side) { return side > 1; });
+  if (!has_more() && volume && volume->empty() && is_solid)
+    warn(": the voxels of the volume have one value, so it is invisible; slices (key V) show the value");
+  if (has_more() && volume && volume->values) {
     // These are values of fewer voxels, with an unknown error.
     const auto coarse = std::make_shared<qnv::VolumeValues>(*volume->values);
     coarse->exact = false;

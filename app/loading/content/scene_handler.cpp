@@ -1,6 +1,7 @@
 #include "app/loading/content/scene_handler.h"
 
 #include "app/formats/foreign_types.h"
+#include "app/loading/content/series_step.h"
 #include "app/loading/updates/missing_url.h"
 #include "vrml/scene/coordinates/units.h"
 
@@ -56,6 +57,7 @@ bool SceneHandler::whole_file(const net::MappedFile& file, const std::string& pa
   type_ = &content_type_of(path, first_bytes(bytes));
   target_.set_type(*type_);
   if (type_->content == ContentClass::vrml || is_outline_stream(bytes)) return false;
+  if (begin_step(bytes)) return true;
   bytes_ = bytes.size();
   content_ = content_for(target_, *type_, bytes);
   content_->cut = cut;
@@ -67,14 +69,14 @@ bool SceneHandler::whole_file(const net::MappedFile& file, const std::string& pa
 void SceneHandler::receive(std::span<const std::byte> bytes) {
   bytes_ += bytes.size();
   if (target_.refused()) return;
-  if (type_) return read_rest(bytes);
+  if (type_ && !is_series_) return read_rest(bytes);
   if (!waiting_share_.grow(bytes.size())) {
     target_.refuse_size();
     waiting_ = {};
     return;
   }
   waiting_.insert(waiting_.end(), bytes.begin(), bytes.end());
-  if (!choose_type(false)) return;
+  if ((!type_ && !choose_type(false)) || is_series_) return;
   read_rest(std::exchange(waiting_, {}));
   waiting_share_.shrink_to(0);
 }
@@ -87,6 +89,29 @@ bool SceneHandler::choose_type(bool last) {
   type_ = content_type_by_mark(first);
   if (!type_) type_ = &content_type_of(found.local ? found.path : found.url.path, first);
   target_.set_type(*type_);
+  is_series_ = use_.role == Role::root && !is_step_ && is_file_series(first);
+  return true;
+}
+
+// If the file is a series of other files than those of VTK, this handler reads its wanted step instead.
+bool SceneHandler::begin_step(std::span<const std::byte> series) {
+  if (use_.role != Role::root || is_step_ || cut) return false;
+  auto& wanted = context_.loading.options.component.step;
+  auto step = step_of_series(series, wanted);
+  if (!step) return false;
+  wanted.reset();  // the step itself may have steps
+  if (LoadedWorld* const world = context_.loading.results.world(); world && is_valid(step->steps))
+    world->steps = std::move(step->steps);
+  const Found& found = target_.found();
+  step_ = std::make_unique<Fetch>();
+  step_->candidates = {net::resolve(found.url, net::parse_url(net::tidy_url(step->file)))};
+  step_->from = found.origin;
+  step_->max_bytes = context_.loading.options.max_bytes;
+  is_step_ = true;
+  is_series_ = false;
+  type_ = nullptr;
+  waiting_ = {};
+  waiting_share_.shrink_to(0);
   return true;
 }
 
@@ -102,8 +127,13 @@ void SceneHandler::end(const std::optional<std::string>& problem) {
     results.report(Severity::error, target_.found().path, {}, *problem);
     target_.cut_short();
   }
+  if (!type_ && !step_ && !target_.refused()) choose_type(true);
+  if (is_series_ && !problem) (void)begin_step(waiting_);
+  if (step_) {
+    step_->handler = shared_from_this();
+    return context_.loading.fetcher.fetch(std::move(step_), Urgency::world);
+  }
   if (stage_ != Stage::read_at_once && !target_.refused()) {
-    if (!type_) choose_type(true);
     if (!content_) read_rest(std::exchange(waiting_, {}));
     content_->cut = cut;
     if (!target_.refused()) content_->end(problem.has_value());
@@ -135,7 +165,7 @@ void SceneHandler::missing(const std::string& why) {
   LoadResults& results = context_.loading.results;
   target_.refuse();
   if (!use_.outer)
-    results.report(Severity::error, results.path(), {},
+    results.report(Severity::error, results.file(), {},
                    refusal_of_folder(results.path()).value_or(why.empty() ? "cannot be found" : why));
   else if (use_.role == Role::library)
     use_.outer->prototypes().miss(*this, told ? std::nullopt : std::optional<std::string>(why));

@@ -76,6 +76,7 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
 
  private:
   bool choose_type(bool last);
+  bool begin_step(std::span<const std::byte> series);
   void read_rest(std::span<const std::byte> bytes);
   void finished_reading();
   void attach();
@@ -85,10 +86,12 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   SceneTarget target_;
   SceneReferences references_;
   ScenePrototypes prototypes_;
-  std::vector<std::byte> waiting_;  // bytes before the type is known
+  std::vector<std::byte> waiting_;  // bytes before the type is known, and bytes of a series in JSON
   Share waiting_share_;
   const ContentType* type_ = nullptr;
-  std::unique_ptr<SceneContent> content_;  // null before the type is known and after the end
+  bool is_series_ = false, is_step_ = false;  // of a root: a series in JSON; a step of such a series
+  std::unique_ptr<Fetch> step_;               // fetch of a step, until the series has ended
+  std::unique_ptr<SceneContent> content_;     // null before the type is known and after the end
   std::size_t bytes_ = 0, errors_before_ = 0;
   double seconds_ = 0, length_unit_ = 1;
   enum class Stage : std::uint8_t {

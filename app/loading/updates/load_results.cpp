@@ -1,7 +1,10 @@
 #include "app/loading/updates/load_results.h"
 
+#include "app/loading/updates/live_data.h"
+
 #include "app/media/media_file.h"
 #include "base/text.h"
+#include "net/base/url_signature.h"
 
 #include <algorithm>
 #include <iterator>
@@ -23,7 +26,8 @@ std::string title_of(const vrml::SceneGraph& scene) {
 }  // namespace
 
 LoadResults::LoadResults(std::string path, bool network_allowed, WorldBudget budget)
-    : path_(std::move(path)), title_(file_name(path_)), budget_(std::move(budget)) {
+    : path_(std::move(path)), title_(file_name(net::without_signature(path_))), budget_(std::move(budget)) {
+  if (net::is_presigned(path_)) file_ = net::without_signature(path_);
   world()->network_allowed = network_allowed;
 }
 
@@ -124,7 +128,8 @@ LoadedWorld LoadResults::hand_over(std::unique_ptr<vrml::SceneGraph> scene) {
   if (!handed.scene) return handed;
   if (std::string title = title_of(*handed.scene); !title.empty()) handed.title = std::move(title);
   handed.color_key = color_key_of(*handed.scene);
-  if (!handed.authored) handed.steps = time_steps_of(*handed.scene);
+  handed.live = live_data_of(*handed.scene);
+  if (!handed.authored && !handed.steps) handed.steps = time_steps_of(*handed.scene);
   return handed;
 }
 

@@ -77,6 +77,7 @@ struct LoadedWorld {
   UpRule up = UpRule::y;  // up axis of files in this format
   std::optional<Upright> stated_up;  // up axis that the file itself defines
   std::optional<ColorKey> color_key;  // meaning of the surface colours, if the file defines it
+  std::string live;                   // URL of the JSON resource of a running simulation; empty if there is none
   std::optional<TimeSteps> steps;     // of a file with a surface that changes with time
   bool truncated = false;  // the file ends too early
   std::size_t bytes = 0;  // size of the opened file on disk, without references

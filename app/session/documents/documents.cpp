@@ -3,6 +3,7 @@
 #include "app/loading/updates/limit_report.h"
 #include "app/loading/world_loading.h"
 #include "app/view/navigation.h"
+#include "net/base/url_signature.h"
 
 #include <algorithm>
 #include <charconv>
@@ -122,7 +123,7 @@ void DocumentList::add(std::string_view path) {
 
 void DocumentList::reload_unedited(std::string_view path) {
   const Entry* known = find(path);
-  if (!known || !known->document || !known->document->edits.unsaved()) reload(path);
+  if (!known || !known->document || !known->document->unsaved()) reload(path);
 }
 
 void DocumentList::reload(std::string_view path) {
@@ -242,6 +243,8 @@ std::string file_of_view(std::string_view path) {
 std::string file_label(std::string_view path) {
   if (const std::size_t number = view_number(path); number > 1)
     return file_label(file_of_view(path)) + " (" + std::to_string(number) + ")";
+  const std::string name = net::without_signature(path);
+  path = name;
   while (path.size() > 1 && path.back() == '/') path.remove_suffix(1);
   const std::size_t slash = path.find_last_of('/');
   return std::string(slash == std::string_view::npos || slash + 1 == path.size() ? path : path.substr(slash + 1));

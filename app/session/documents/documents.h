@@ -2,6 +2,7 @@
 
 #include "app/loading/updates/loaded_world.h"
 #include "app/loading/world_loading.h"
+#include "app/session/documents/splat_edits.h"
 #include "app/session/documents/world_edits.h"
 #include "app/session/documents/world_runtime.h"
 #include "qnv/base/description.h"
@@ -40,9 +41,12 @@ struct Document {
   const void* viewer = nullptr;           // view with the camera that the sensors follow; never dereferenced
   std::optional<glm::dvec3> destination;  // destination of that camera's animated move
   WorldEdits edits;                       // edits of the user
+  SplatEdits splats;                      // edit of the splats of a file
   VoxelComponent data;                    // choice of data with which it was read; its list has those of the file
   bool controlled = false;                // changed by a --control client, which may also have created its Scripts
 
+  /// Returns true if edits of the user are not saved.
+  [[nodiscard]] bool unsaved() const { return edits.unsaved() || splats.unsaved(); }
   [[nodiscard]] bool has_vectors() const { return has_surface_vectors || has_volumes; }
 };
 

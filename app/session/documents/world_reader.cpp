@@ -20,6 +20,39 @@ constexpr std::chrono::milliseconds kInitialBatchDelay{
     150};                 // results within this time become part of the first picture
 constexpr int kRest = 3;  // pause until the next collection, as a multiple of its duration
 
+/// Coarse version of a large volume on a server that is reached by ssh, shown until the first vectors of its stream are
+/// received. One thread.
+class CoarseVersion {
+ public:
+  CoarseVersion(const std::string& path, const LoadOptions& options) {
+    const std::string url = coarse_url_of(path, options);
+    if (url.empty()) return;
+    LoadOptions coarse = options;
+    coarse.by_view = coarse.large_by_view = false;  // its views have no reader that requests ranges
+    coarse.component.found = nullptr;
+    coarse.ledger = nullptr;
+    loading_.emplace(url, coarse);
+  }
+
+  /// Handles received data. Returns a preview of the world `path`, or only that its stream grew; nullopt if nothing has
+  /// changed.
+  std::optional<WorldReader::News> take(const std::string& path, const WorldLoading& whole) {
+    if (!loading_) return std::nullopt;
+    (void)loading_->step(std::chrono::milliseconds(0));
+    const bool grew = loading_->streams_grew();
+    render::RenderList list = loading_->changed() ? loading_->collect({0, 0, 10}) : render::RenderList{};
+    if (list.splats.empty()) return grew ? std::optional(WorldReader::News{{}, {}, false, true, {}}) : std::nullopt;
+    auto document = preview_document(path, *loading_, std::move(list));
+    document->world.title = whole.title();
+    document->world.diagnostics = whole.diagnostics();
+    return WorldReader::News{std::move(document), {}, false, grew, {}};
+  }
+  void end() { loading_.reset(); }
+
+ private:
+  std::optional<WorldLoading> loading_;
+};
+
 }  // namespace
 
 WorldReader::WorldReader(std::string path, LoadOptions options, std::function<void()> wake)
@@ -86,6 +119,7 @@ void WorldReader::run(const std::string& path, LoadOptions options) {
   options.cancelled = &cancelled_;
   options.ledger = ledger_;
   WorldLoading loading(path, options);
+  CoarseVersion coarse(path, options);
   {
     const std::lock_guard lock(mutex_);
     loading_ = &loading;
@@ -111,6 +145,7 @@ void WorldReader::run(const std::string& path, LoadOptions options) {
       if (!complete) complete = Clock::now();
       if (Clock::now() >= *complete + kInitialBatchDelay) {
         give_away(loading);
+        coarse.end();
         lives = true;
         continue;
       }
@@ -123,7 +158,11 @@ void WorldReader::run(const std::string& path, LoadOptions options) {
     if (loading.changed()) {
       render::RenderList list = loading.collect({0, 0, 10});
       const bool shows = !list.items.empty() || !list.splats.empty();
+      if (shows) coarse.end();
       tell({shows ? preview_document(path, loading, std::move(list)) : nullptr, {}, false, false, state});
+    } else if (auto preview = coarse.take(path, loading)) {
+      preview->state = state;
+      tell(std::move(*preview));
     } else if (!(state == told)) {
       tell({nullptr, {}, false, false, state});
     }

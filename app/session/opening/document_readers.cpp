@@ -1,6 +1,7 @@
 #include "app/session/opening/document_readers.h"
 
 #include "app/formats/common/dataset_list.h"
+#include "net/base/url_signature.h"
 #include "render/scene/late_meshes.h"
 
 #include <algorithm>
@@ -14,7 +15,7 @@ constexpr std::size_t kMaxFailed = 16;  // max stored load ledgers of failed wor
 
 // Formats a diagnostic for a viewport. Omits the file name, because the viewport itself shows it.
 std::string problem_text(const Diagnostic& diagnostic, const std::string& path) {
-  if (diagnostic.file != path) return diagnostic.text();
+  if (diagnostic.file != path && diagnostic.file != net::without_signature(path)) return diagnostic.text();
   if (diagnostic.location.line == 0) return diagnostic.message;
   return "line " + std::to_string(diagnostic.location.line) + ", column " + std::to_string(diagnostic.location.column) +
          ": " + diagnostic.message;

@@ -1,16 +1,14 @@
 #include "app/session/opening/follower.h"
 
 #include "app/base/numbered_files.h"
+#include "app/session/live/small_request.h"
 #include "net/base/url.h"
-#include "net/load/loader.h"
 
 #include <sys/stat.h>
 
 #include <algorithm>
 #include <chrono>
-#include <condition_variable>
 #include <filesystem>
-#include <mutex>
 #include <tuple>
 #include <utility>
 
@@ -52,38 +50,10 @@ std::string folder_text(const std::string& path, const std::atomic<bool>& stop) 
 
 /// Requests the first byte of a URL, and returns the validators of the answer.
 std::string server_text(const std::string& url, const LoadOptions& load, const std::atomic<bool>& stop) {
-  std::mutex mutex;
-  std::condition_variable news;
-  bool woken = false;
-  net::LoaderOptions options;
-  options.memory = load.memory;
-  options.remote_program = load.remote_program;
-  const net::Url parsed = net::parse_url(url);
-  if (parsed.scheme == "ssh") options.policy.allow_ssh(parsed);
-  options.wake = [&] {
-    const std::lock_guard lock(mutex);
-    woken = true;
-    news.notify_one();
-  };
-  const auto loader = net::Loader::create(std::move(options));
   net::Request request;
   request.url = url;
   request.ranges = {{0, 1}};
-  request.cache = net::CacheUse::never_store;
-  (void)loader->request(std::move(request));
-  constexpr std::chrono::milliseconds kSlice{100};
-  for (std::chrono::milliseconds waited{0}; waited < std::chrono::seconds(30) && !stop; waited += kSlice) {
-    for (const net::LoadEvent& event : loader->poll()) {
-      if (const auto* const head = std::get_if<net::LoadHead>(&event.what))
-        return head->validator.etag + ' ' + head->validator.last_modified + ' ' +
-               std::to_string(head->total.value_or(0));
-      if (std::holds_alternative<net::LoadError>(event.what)) return {};
-    }
-    std::unique_lock lock(mutex);
-    (void)news.wait_for(lock, kSlice, [&] { return woken; });
-    woken = false;
-  }
-  return {};
+  return small_request(std::move(request), true, load, stop).version;
 }
 
 }  // namespace
@@ -114,7 +84,7 @@ void Follower::follow(const std::string& path, bool on) {
   file.on = on;
   file.newest = true;
   file.version.clear();
-  file.wait = is_on_server(path) ? kLeastWaitForServers : kLeastWait;
+  file.wait = least_wait(path);
   file.due = step_.now;
   if (on) reload(path, file);  // the file may have changed since it was read
   step_.frame.news = true;
@@ -123,7 +93,20 @@ void Follower::follow(const std::string& path, bool on) {
 bool Follower::follows(const std::string& path) const {
   if (step_.simulated) return false;
   const auto found = files_.find(path);
-  return found == files_.end() ? load_.follow : found->second.on;
+  return found == files_.end() ? load_.follow || is_live(path) : found->second.on;
+}
+
+bool Follower::is_live(const std::string& path) const {
+  const auto document = viewports_.panes().documents().document(path);
+  return document && !document->world.live.empty();
+}
+
+double Follower::least_wait(const std::string& path) const {
+  return is_on_server(path) && !is_live(path) ? kLeastWaitForServers : kLeastWait;
+}
+
+double Follower::most_wait(const std::string& path) const {
+  return is_live(path) ? kMostWaitForLive : is_on_server(path) ? kMostWaitForServers : kMostWait;
 }
 
 void Follower::follow_newest(const std::string& path, bool on) {
@@ -157,10 +140,9 @@ void Follower::check() {
   for (const std::string& path : visible()) {
     auto [found, added] = files_.try_emplace(path);
     File& file = found->second;
-    const bool remote = is_on_server(path);
     if (added) {
       file.due = step_.now;
-      file.wait = remote ? kLeastWaitForServers : kLeastWait;
+      file.wait = least_wait(path);
     }
     if (file.coming.valid() && file.coming.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
       const std::string version = file.coming.get();
@@ -169,8 +151,7 @@ void Follower::check() {
       if (!version.empty()) file.version = version;
       file.changed = file.changed || changed;
       if (changed) file.pause = kLeastWait;
-      const double least = remote ? kLeastWaitForServers : kLeastWait;
-      file.wait = changed ? least : std::min(file.wait * kLonger, remote ? kMostWaitForServers : kMostWait);
+      file.wait = changed ? least_wait(path) : std::min(file.wait * kLonger, most_wait(path));
       file.due = step_.now + file.wait;
     }
     if (file.changed && step_.now >= file.again && !viewports_.panes().documents().awaited(path)) {

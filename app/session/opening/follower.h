@@ -25,6 +25,7 @@ namespace gs::app {
 class Follower : NonCopyable {
  public:
   static constexpr double kLeastWait = 0.5, kMostWait = 10, kLeastWaitForServers = 2, kMostWaitForServers = 30;
+  static constexpr double kMostWaitForLive = 2;  // of worlds of a running simulation, which are always followed
 
   /// Other threads call `wake`, which must be thread-safe.
   Follower(StepContext& step, SessionViewports& viewports, SeriesList& series, const LoadOptions& load,
@@ -54,6 +55,9 @@ class Follower : NonCopyable {
     std::future<std::string> coming;
   };
   [[nodiscard]] std::vector<std::string> visible() const;
+  [[nodiscard]] bool is_live(const std::string& path) const;
+  [[nodiscard]] double least_wait(const std::string& path) const;
+  [[nodiscard]] double most_wait(const std::string& path) const;
   void reload(const std::string& path, File& file);
 
   StepContext& step_;

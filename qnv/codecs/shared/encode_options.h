@@ -48,6 +48,8 @@ struct ValueTolerance {
   bool lossless = false;        // restores the stored voxels bit for bit
 };
 
+class Ranks;
+
 struct EncodeOptions {
   std::size_t vectors = 0;    // approximate number at full detail; 0 means automatic
   std::size_t max_bytes = 0;  // maximum size of the stream; 0 means unlimited
@@ -62,6 +64,8 @@ struct EncodeOptions {
   int splat_steps = 0;                        // gaussians: log2 of a factor of the errors, in eighths; -32 to 32
   SpillStore* spill = nullptr;                // values: holds the clusters; null means memory; must outlive the call
   StreamSink* sink = nullptr;                 // values: takes the stream, which then has no bytes in memory; or null
+  Ranks* ranks = nullptr;                     // values: processes that encode together, with a common `spill`; null
+                                              // means this process alone
   std::optional<double> parity;               // loss of chunks that parity restores, 0 to 0.5; nullopt: as the codec
                                               // chooses. Displaced surfaces and values; others ignore it
   glm::dvec3 origin{0};                       // origin of triangles (Description::origin); vectors have their own

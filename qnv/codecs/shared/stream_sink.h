@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,10 @@ class StreamSink {
   virtual bool write(std::span<const std::byte> bytes) = 0;
   /// Replaces bytes at the start, all of which were written before.
   virtual bool rewrite_front(std::span<const std::byte> bytes) = 0;
+  /// Reports whether this process writes the next bytes. If not, the encoder may call skip() instead of write().
+  [[nodiscard]] virtual bool wants() const { return true; }
+  /// Leaves out the next bytes, because another process writes them. Returns false if the output needs all bytes.
+  virtual bool skip(std::uint64_t /*bytes*/) { return false; }
 };
 
 /// Output in memory.

@@ -39,6 +39,11 @@ std::variant<StreamHeader, EncodeError> write_stream(StreamHeader header, const 
     at += bytes.size();
     return sink.write(bytes);
   };
+  const auto append_chunk = [&](ChunkType type, const std::vector<std::byte>& payload) {
+    if (sink.wants()) return append(encode_chunk(type, payload));
+    at += kChunkHeaderBytes + payload.size();
+    return sink.skip(kChunkHeaderBytes + payload.size());
+  };
   // Reports whether a chunk fits. A directory needs another chunk header for every 2,000 entries.
   const auto fits = [&](std::size_t payload, bool listed) {
     const std::size_t entries = directory.size() + (listed ? 1 : 0);
@@ -48,7 +53,7 @@ std::variant<StreamHeader, EncodeError> write_stream(StreamHeader header, const 
   };
   const auto append_parity = [&](const std::vector<std::vector<std::byte>>& payloads) {
     return std::ranges::all_of(payloads, [&](const std::vector<std::byte>& payload) {
-      return !fits(payload.size(), false) || append(encode_chunk(ChunkType::parity, payload));
+      return !fits(payload.size(), false) || append_chunk(ChunkType::parity, payload);
     });
   };
   const EncodeError stopped{"cannot write the stream"};
@@ -62,14 +67,14 @@ std::variant<StreamHeader, EncodeError> write_stream(StreamHeader header, const 
     chunk->entry.bytes = static_cast<std::uint32_t>(kChunkHeaderBytes + chunk->payload.size());
     directory.push_back(chunk->entry);
     header.vectors += chunk->entry.vectors - chunk->replaced;
-    if (!append(encode_chunk(chunk->type, chunk->payload)) || !append_parity(parity.add(*chunk))) return stopped;
+    if (!append_chunk(chunk->type, chunk->payload) || !append_parity(parity.add(*chunk))) return stopped;
   }
   if (!append_parity(parity.finish())) return stopped;
   header.chunks = static_cast<std::uint32_t>(directory.size());
   header.directory = at;
   if (const auto places = chunks.places(directory)) {
     for (const std::vector<std::byte>& payload : *places)
-      if (!append(encode_chunk(ChunkType::places, payload))) return stopped;
+      if (!append_chunk(ChunkType::places, payload)) return stopped;
     directory.clear();
   }
   constexpr std::size_t kInOne = kMaxChunkBytes / kDirectoryEntryBytes;  // entries of a directory chunk

@@ -33,6 +33,8 @@ class ChunkList {
   [[nodiscard]] virtual std::size_t size() const = 0;
   /// Returns nullopt if the payload cannot be read.
   [[nodiscard]] virtual std::optional<OutgoingChunk> chunk(std::size_t i) const = 0;
+  /// Returns a chunk without reading its payload, of which only the length is right.
+  [[nodiscard]] virtual std::optional<OutgoingChunk> outline(std::size_t i) const { return chunk(i); }
   /// Returns the payloads of a directory of type ChunkType::places for the first chunks; nullopt means a general
   /// directory. `entries` have the offsets and lengths.
   [[nodiscard]] virtual std::optional<std::vector<std::vector<std::byte>>> places(

@@ -210,7 +210,11 @@ struct RunEncoder<Number>::Open {
 };
 
 template <class Number>
-RunEncoder<Number>::RunEncoder(Extent extent, TakeRun take) : extent_(extent), take_(std::move(take)) {}
+RunEncoder<Number>::RunEncoder(Extent extent, TakeRun take, std::uint64_t first_slab)
+    : extent_(extent), take_(std::move(take)) {
+  const Extent cubes = cube_extent(extent);
+  next_ = first_slab * (kSlabSlices / kCubeEdge) * cubes[0] * cubes[1];
+}
 template <class Number>
 RunEncoder<Number>::RunEncoder(RunEncoder&&) noexcept = default;
 template <class Number>
@@ -220,6 +224,7 @@ template <class Number>
 void RunEncoder<Number>::add(std::span<const Number> layer) {
   const Extent extent = layer_extent(extent_, layer.size()), cubes = cube_extent(extent);
   const std::uint64_t count = std::uint64_t{cubes[0]} * cubes[1];
+  if (next_ % (count * (kSlabSlices / kCubeEdge)) == 0) finish();
   for (std::uint64_t i = 0; i < count; ++i, ++next_) {
     const CubeBox box = cube_box(i, extent, cubes);
     const bool skips = all_zero(box, extent, layer);

@@ -25,6 +25,8 @@ struct CubeRun {
 
 /// Maximum number of cubes of a run.
 inline constexpr std::uint32_t kMostRunCubes = 1u << 20;
+/// Number of slices in a slab. Encoders end runs at each slab, so that slabs can be encoded independently.
+inline constexpr std::uint32_t kSlabSlices = 32;
 
 /// Returns the number of cubes per axis.
 [[nodiscard]] Extent cube_extent(Extent extent);
@@ -41,7 +43,8 @@ using TakeRun = std::function<void(CubeRun&&)>;
 template <class Number>
 class RunEncoder {
  public:
-  RunEncoder(Extent extent, TakeRun take);
+  /// `first_slab` is the first one that arrives.
+  RunEncoder(Extent extent, TakeRun take, std::uint64_t first_slab = 0);
   RunEncoder(RunEncoder&&) noexcept;
   ~RunEncoder();
 
@@ -94,8 +97,8 @@ bool decode_remainders(const CubeRun& run, Extent extent, std::span<std::uint32_
 /// x + 4 y + 16 z is set. Returns false if the run is not in the volume, or truncated.
 bool decode_gap_cubes(const CubeRun& run, Extent extent,
                       const std::function<void(std::uint64_t cube, std::uint64_t missing)>& visit);
-/// Decodes the remainders of a run cube by cube, up to the cube `last`. Calls visit(cube, numbers): that of voxel (x, y,
-/// z) of the cube has the index x + 4 y + 16 z. Returns false if the run is not in the volume, or truncated before.
+/// Decodes the remainders of a run cube by cube, up to the cube `last`. Calls visit(cube, numbers): that of voxel (x,
+/// y, z) of the cube has the index x + 4 y + 16 z. Returns false if the run is not in the volume, or truncated before.
 bool decode_remainder_cubes(
     const CubeRun& run, Extent extent, std::uint64_t last,
     const std::function<void(std::uint64_t cube, std::span<const std::uint32_t, kCubeSize> numbers)>& visit);

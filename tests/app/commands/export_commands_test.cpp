@@ -1,9 +1,13 @@
 // Tests of export, and of pictures of streams, as a user runs them.
 #include "app/formats/export/export.h"
 #include "tests/app/commands/vector_commands.h"
+#include "tests/app/geometry_shapes.h"
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
+#include <variant>
+#include <vector>
 
 using namespace gs::app;
 using namespace gs::test;
@@ -133,4 +137,32 @@ TEST_CASE("snapshot: draws with budgets, losses and prefixes of a stream, on bot
   CHECK(run("--snapshot x.png --loss 130% " + quoted(stream)).status == kUsage);
   CHECK(run("--snapshot x.png --splats fast " + quoted(stream)).status == kUsage);
   CHECK(run("--snapshot x.png --budget 0 " + quoted(stream)).status == kUsage);
+}
+
+TEST_CASE("export and encode edit Gaussian splats and name what they remove") {
+  const ScratchFolder folder;
+  const gs::qnv::Gaussians splats = gs::test::random_gaussians(300, 1);
+  const auto bytes = export_splats_ply(splats);
+  const auto& file = std::get<std::vector<std::byte>>(bytes);
+  const std::string in = folder.write("in.ply", std::string(reinterpret_cast<const char*>(file.data()), file.size()));
+  for (const char* name : {"out.3dgs.ply", "out.spz", "out.sog", "out.glb", "out.qnv"}) {
+    const std::string out = folder.path(name), command = name == std::string("out.qnv") ? "encode" : "export";
+    const Run result =
+        run(command + " --crop-box=-1,-1,-1,1,1,1 --min-opacity 20% --move 10,0,0 " + quoted(in) + " " + quoted(out));
+    INFO(result.output);
+    REQUIRE(result.status == kDone);
+    CHECK(result.output.find(" of 300 splats are cropped") != std::string::npos);
+    CHECK(result.output.find(" of 300 splats have less than the minimum opacity") != std::string::npos);
+    const nlohmann::json facts = info(out);
+    CHECK(facts["vectors"] > 10);
+    CHECK(facts["vectors"] < 200);
+  }
+  CHECK(run("export --crop-sphere 50,0,0,1 " + quoted(in) + " " + quoted(folder.path("a.spz")))
+            .output.find("--crop-sphere leaves no splat of 300") != std::string::npos);
+  CHECK(run("export --crop-outside " + quoted(in) + " " + quoted(folder.path("a.spz")))
+            .output.find("--crop-outside needs --crop-box or --crop-sphere") != std::string::npos);
+  const std::string world = folder.write("ball.wrl", kBall);
+  const Run refused = run("export --exposure 1 " + quoted(world) + " " + quoted(folder.path("b.wrl")));
+  CHECK(refused.status != kDone);
+  CHECK(refused.output.find("--exposure edits Gaussian splats; expected a file of splats") != std::string::npos);
 }

@@ -6,6 +6,7 @@
 
 #include <glm/geometric.hpp>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -118,6 +119,44 @@ TEST_CASE("encode: --error limits the difference of every voxel, and info states
     CHECK(run(std::string("encode ") + wrong + " " + quoted(volume) + " " + quoted(stream)).status == kUsage);
   }
   CHECK(run("encode --method values " + quoted(folder.write("b.wrl", kBall)) + " " + quoted(stream)).status == kFailed);
+}
+
+TEST_CASE("encode: keeps every nth voxel of a volume with --most-voxels") {
+  const ScratchFolder folder;
+  const std::string volume = folder.write("a.nrrd", nrrd_ball<std::uint16_t>("uint16", 60'000));
+  const std::string stream = folder.path("a.qnv"), out = folder.path("out.nrrd");
+  const Run encoded = run("encode --lossless --most-voxels 600 " + quoted(volume) + " " + quoted(stream));
+  INFO(encoded.output);
+  REQUIRE(encoded.status == kDone);
+  CHECK(encoded.output.find("values of 512 voxels, exact") != std::string::npos);
+  REQUIRE(run("export " + quoted(stream) + " " + quoted(out)).status == kDone);
+  const ReadVolume fine(volume), coarse(out);
+  REQUIRE(coarse.source.layout.dimensions == std::array<std::uint32_t, 3>{8, 8, 8});
+  CHECK(coarse.origin() == fine.origin());
+  CHECK(coarse.source.layout.axes[0] == 3.0f * fine.source.layout.axes[0]);
+  CHECK(coarse.values[(4 * 8 + 5) * 8 + 2] == fine.values[(12 * kEdge + 15) * kEdge + 6]);
+  REQUIRE(run("encode --lossless --most-voxels 1M " + quoted(volume) + " " + quoted(stream)).status == kDone);
+  REQUIRE(run("export " + quoted(stream) + " " + quoted(out)).status == kDone);
+  CHECK(ReadVolume(out).values == fine.values);
+  const std::string mesh = folder.write("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  const Run refused = run("encode --most-voxels 9 " + quoted(mesh) + " " + quoted(stream));
+  CHECK(refused.status == kFailed);
+  CHECK(refused.output.find("--most-voxels applies to volumes only") != std::string::npos);
+}
+
+TEST_CASE("snapshot: says that a volume of one value is invisible") {
+  const ScratchFolder folder;
+  const std::string flat = folder.write(
+      "flat.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: ascii\n\n7 7 7 7 7 7 7 7\n");
+  const Run drawn = run("--snapshot " + quoted(folder.path("a.png")) + " --size 32x32 " + quoted(flat));
+  INFO(drawn.output);
+  CHECK(drawn.status == kDone);
+  CHECK(drawn.output.find("have one value, so it is invisible") != std::string::npos);
+  const std::string picture = folder.write(
+      "flat.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 4 1\nencoding: ascii\n\n7 7 7 7 7 7 7 7\n");
+  CHECK(
+      run("--snapshot " + quoted(folder.path("a.png")) + " --size 32x32 " + quoted(picture)).output.find("invisible") ==
+      std::string::npos);
 }
 
 TEST_CASE("info: describes a volume larger than memory at a coarser level, without an error") {

@@ -1,38 +1,23 @@
 #include "app/formats/export/export.h"
 #include "app/formats/splats/splats.h"
+#include "app/formats/splats/splats_sog.h"
 #include "tests/app/geometry_shapes.h"
 
 #include <catch2/catch.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <string>
+#include <variant>
+#include <vector>
 
 namespace gs::app::formats_gaussians_test {
 namespace {
 
 using namespace gs::test;
 using qnv::Gaussians;
-
-Gaussians random_gaussians(std::size_t count, int degree) {
-  std::mt19937 random(5);
-  std::normal_distribution<float> normal;
-  std::uniform_real_distribution<float> even(0.02f, 0.98f);
-  SplatModel model;
-  model.format = "test";
-  model.axes = kFromRightUpBack;
-  model.set_degree(degree);
-  model.resize(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    model.positions[i] = glm::dvec3(normal(random), normal(random), normal(random));
-    model.scales[i] = {even(random), even(random), even(random)};
-    model.rotations[i] = {normal(random), normal(random), normal(random), normal(random)};
-    model.opacities[i] = even(random);
-    model.dc[i] = (glm::vec3(even(random), even(random), even(random)) - 0.5f) * 4.0f;
-    for (std::size_t k = 0; k < qnv::harmonic_count(degree); ++k)
-      model.coefficient(i, k) = glm::vec3(normal(random), normal(random), normal(random)) * 0.2f;
-  }
-  return vectors_of_splats(model);
-}
 
 Bytes written(const Exported& exported) {
   const auto* bytes = std::get_if<std::vector<std::byte>>(&exported);
@@ -64,6 +49,25 @@ Differences between(const Gaussians& a, const Gaussians& b) {
   for (std::size_t i = 0; i < a.harmonics.size(); ++i)
     for (int k = 0; k < 3; ++k) note(most.harmonic, a.harmonics[i][k] - b.harmonics[i][k]);
   return most;
+}
+
+/// Returns the splats in the order of their x coordinates, which must differ by more than the steps of the format.
+Gaussians by_position(const Gaussians& g) {
+  std::vector<std::size_t> order(g.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::sort(order, [&](std::size_t a, std::size_t b) { return g.positions[a].x < g.positions[b].x; });
+  Gaussians sorted = g;
+  const std::size_t per = qnv::harmonic_count(g.degree);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const std::size_t from = order[i];
+    sorted.positions[i] = g.positions[from];
+    sorted.scales[i] = g.scales[from];
+    sorted.rotations[i] = g.rotations[from];
+    sorted.opacities[i] = g.opacities[from];
+    sorted.bases[i] = g.bases[from];
+    for (std::size_t k = 0; k < per; ++k) sorted.harmonics[i * per + k] = g.harmonics[from * per + k];
+  }
+  return sorted;
 }
 
 }  // namespace
@@ -104,6 +108,52 @@ TEST_CASE("writes and reads Gaussians as SPZ within its steps") {
     }
 }
 
+TEST_CASE("writes and reads Gaussians as SOG within its steps") {
+  for (const int degree : {0, 1, 2, 3}) {
+    Gaussians gaussians = random_gaussians(900, degree);
+    gaussians.antialiased = degree == 1;
+    for (std::size_t i = 0; i < gaussians.size(); ++i)
+      gaussians.positions[i].x = 0.003f * static_cast<float>(i * 7 % 900) - 1.4f;
+    const auto archive = export_sog(gaussians, {});
+    const auto* bytes = std::get_if<std::vector<std::byte>>(&archive);
+    REQUIRE(bytes);
+    Diagnostics diagnostics;
+    Asset asset = read_splats_sog({*bytes, "a.sog", nullptr, own_budget(), diagnostics});
+    auto* const back = std::get_if<Gaussians>(&asset);
+    REQUIRE(back);
+    check_gaussians(*back);
+    CHECK(back->antialiased == gaussians.antialiased);
+    REQUIRE(back->size() == gaussians.size());
+    REQUIRE(back->degree == degree);
+    // SOG changes the order of the splats.
+    const Gaussians sorted_back = by_position(*back), sorted = by_position(gaussians);
+    const Differences most = between(sorted, sorted_back);
+    INFO("degree " << degree);
+    CHECK(most.position < 4e-4f);
+    CHECK(most.scale < 0.1f);
+    CHECK(most.rotation < 2e-4f);
+    CHECK(most.opacity < 0.6f / 255);
+    CHECK(most.base < 0.02f);
+    CHECK(most.harmonic < 0.06f);  // each splat has its own entry of the palette
+  }
+}
+
+TEST_CASE("writes flat splats as 2DGS in SOG, and the same bytes again") {
+  Gaussians gaussians = random_gaussians(50, 0);
+  for (glm::vec3& scale : gaussians.scales) scale.z = 0;
+  const auto archive = export_sog(gaussians, {}), again = export_sog(gaussians, {});
+  CHECK(written(archive) == written(again));
+  Diagnostics diagnostics;
+  const Bytes bytes = written(archive);
+  Asset asset = read_splats_sog({bytes, "a.sog", nullptr, own_budget(), diagnostics});
+  REQUIRE(std::holds_alternative<Gaussians>(asset));
+  for (const glm::vec3& scale : std::get<Gaussians>(asset).scales) CHECK(scale.z == 0);
+  Gaussians far = random_gaussians(50, 0);
+  far.description.origin = {4e6, 0, 0};
+  REQUIRE(std::holds_alternative<std::string>(export_sog(far, {})));
+  CHECK(std::get<std::string>(export_sog(far, {})).find("16 bits per coordinate") != std::string::npos);
+}
+
 TEST_CASE("names what formats without opacity lose of Gaussians") {
   const qnv::Geometry geometry = random_gaussians(5, 1);
   const auto losses_of = [&](const char* path) {
@@ -111,11 +161,15 @@ TEST_CASE("names what formats without opacity lose of Gaussians") {
     REQUIRE(format);
     return export_losses(*format, geometry);
   };
-  for (const char* path : {"a.3dgs.ply", "a.spz", "a.v3.spz", "a.splats.glb"}) CHECK(losses_of(path).empty());
+  for (const char* path : {"a.3dgs.ply", "a.splats.glb"}) CHECK(losses_of(path).empty());
+  for (const char* path : {"a.spz", "a.v3.spz", "a.sog"}) {
+    REQUIRE(losses_of(path).size() == 1);
+    CHECK(losses_of(path)[0].find(" rounds splats: ") != std::string::npos);
+  }
   REQUIRE(losses_of("a.ply").size() == 1);
   CHECK(losses_of("a.ply")[0] ==
         "splats become opaque surface splats, without their opacity and spherical harmonics up to degree 1; .3dgs.ply, "
-        ".spz and .splats.glb keep everything");
+        ".spz, .sog and .splats.glb keep them");
 }
 
 TEST_CASE("reads the harmonics of a compressed PLY file in its steps") {

@@ -63,23 +63,10 @@ TEST_CASE("OFF: reports errors, and shows the rest") {
     (void)imported("OFF", bytes_of(whole.substr(0, length)));
 }
 
-TEST_CASE("detects OFF by its first word, and refuses streamed SOG by name") {
+TEST_CASE("detects OFF by its first word") {
   CHECK(content_type_of("x", bytes_of(kOffSquare)).name == "OFF");
   CHECK(content_type_of("x", bytes_of("COFF\n1 1 1\n")).name == "OFF");
   CHECK(content_type_of("x", bytes_of("OFFICE")).name == "VRML97");
-  const Bytes zip =
-      bytes_of(std::string("PK\x03\x04", 4) + std::string(22, '\0') + std::string("\x0d\0\0\0", 4) + "lod-meta.json{}");
-  const Bytes levels = bytes_of("{\"lodLevels\":7,\"environment\":null,\"filenames\":[\"0_0/meta.json\"]}");
-  for (const Bytes& bytes : {zip, levels}) {
-    const ContentType& type = content_type_of("x", bytes);
-    CHECK(type.name == "streamed SOG");
-    Diagnostics diagnostics;
-    CHECK(std::holds_alternative<std::monostate>(read_asset(type, {bytes, "x", {}, own_budget(), diagnostics})));
-    REQUIRE(diagnostics.errors() == 1);
-    CHECK(diagnostics.entries()[0].message.starts_with("streamed SOG cannot be read; open the meta.json"));
-  }
-  CHECK(content_type_list().find("streamed SOG") == std::string::npos);
-  CHECK(content_type_of("a.json", bytes_of("{\"version\":2}")).name == "VRML97");
 }
 
 }  // namespace gs::app::off_test

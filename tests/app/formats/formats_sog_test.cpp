@@ -12,6 +12,8 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 namespace gs::app::formats_sog_test {
@@ -92,10 +94,12 @@ void put_name(Bytes& to, const std::string& name) {
   for (const char c : name) to.push_back(static_cast<std::byte>(c));
 }
 
-/// Returns a ZIP archive of stored files, in a folder.
-Bytes zipped(const Files& files, const std::string& folder = "") {
+/// Returns a ZIP archive of stored files, in a folder; those of `last` follow the others.
+Bytes zipped(const Files& files, const std::string& folder = "", const Files& last = {}) {
   Bytes archive, directory;
-  for (const auto& [name, bytes] : files) {
+  std::vector<std::pair<std::string, Bytes>> all(files.begin(), files.end());
+  all.insert(all.end(), last.begin(), last.end());
+  for (const auto& [name, bytes] : all) {
     const std::size_t offset = archive.size();
     const std::size_t sum = crc32(0, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uInt>(bytes.size()));
     const auto put_facts = [&](Bytes& to) {
@@ -123,8 +127,8 @@ Bytes zipped(const Files& files, const std::string& folder = "") {
   archive.insert(archive.end(), directory.begin(), directory.end());
   put32(archive, 0x06054b50);
   put32(archive, 0);
-  put16(archive, files.size());
-  put16(archive, files.size());
+  put16(archive, all.size());
+  put16(archive, all.size());
   put32(archive, directory.size());
   put32(archive, start);
   put16(archive, 0);
@@ -165,6 +169,38 @@ void check_two(const qnv::Gaussians& read) {
   CHECK(read.harmonics[0].x == Approx(1));
   CHECK(read.harmonics[1].z == Approx(-(50 * 0.01 - 1)));
   CHECK(read.harmonics[2].y == Approx(70 * 0.01 - 1));
+}
+
+/// lod-meta.json with two parts of one splat each, in two levels.
+const std::string kTwoLevels =
+    "{\"version\":1,\"lodLevels\":2,\"filenames\":[\"0_0/meta.json\",\"1_0/meta.json\"],\"environment\":null,\"tree\":"
+    "{\"bound\":{\"min\":[0,0,0],\"max\":[1,1,1]},\"children\":["
+    "{\"lods\":{\"0\":{\"file\":0,\"offset\":0,\"count\":1},\"1\":{\"file\":1,\"offset\":1,\"count\":1}}},"
+    "{\"lods\":{\"0\":{\"file\":0,\"offset\":1,\"count\":1}}}]}}";
+
+/// Files of a streamed SOG with two levels.
+Files two_levels(const std::string& meta = kTwoLevels) {
+  Files files;
+  for (const auto& [name, bytes] : two_splats())
+    for (const char* folder : {"0_0/", "1_0/"}) files[folder + name] = bytes;
+  files["lod-meta.json"] = bytes_of(meta);
+  return files;
+}
+
+/// Result of reading streamed SOG.
+struct ReadLevels {
+  Asset asset;
+  Diagnostics diagnostics;
+};
+ReadLevels read_levels(const Bytes& bytes, const Files& beside = {}) {
+  ReadLevels result;
+  const ReadFile read = [&](const std::string& reference) -> BytesResult {
+    const auto found = beside.find(reference);
+    if (found == beside.end()) return reference + " is missing";
+    return shared_bytes(std::vector<std::byte>(found->second.begin(), found->second.end()));
+  };
+  result.asset = read_splats_sog_levels({bytes, "lod-meta.json", read, own_budget(), result.diagnostics});
+  return result;
 }
 
 }  // namespace
@@ -270,6 +306,80 @@ TEST_CASE("reads SOG of both versions that other programs wrote") {
     CHECK(gaussians.size() > count * 9 / 10);
     CHECK(gaussians.degree == degree);
   }
+}
+
+TEST_CASE("reads the finest level of streamed SOG from a folder and from an archive") {
+  const Files files = two_levels();
+  const Bytes& meta = files.at("lod-meta.json");
+  CHECK(content_type_of("x", meta).name == "streamed SOG");
+  const ReadLevels beside = read_levels(meta, files);
+  CHECK(beside.diagnostics.entries().empty());
+  REQUIRE(std::holds_alternative<qnv::Gaussians>(beside.asset));
+  check_two(std::get<qnv::Gaussians>(beside.asset));
+  // The list is the first file of an archive.
+  Files last = files;
+  last.erase("lod-meta.json");
+  const Bytes archive = zipped({{"lod-meta.json", meta}}, "", last);
+  CHECK(content_type_of("x", archive).name == "streamed SOG");
+  const ReadLevels packed = read_levels(archive);
+  REQUIRE(std::holds_alternative<qnv::Gaussians>(packed.asset));
+  check_two(std::get<qnv::Gaussians>(packed.asset));
+}
+
+TEST_CASE("takes another level of streamed SOG if a file is missing") {
+  Files files = two_levels();
+  files.erase("0_0/sh0.webp");
+  const ReadLevels coarse = read_levels(files.at("lod-meta.json"), files);
+  REQUIRE(std::holds_alternative<qnv::Gaussians>(coarse.asset));
+  CHECK(std::get<qnv::Gaussians>(coarse.asset).size() == 1);  // the other part has no other level
+  REQUIRE(coarse.diagnostics.entries().size() == 1);
+  CHECK(coarse.diagnostics.entries()[0].message.find("0_0/sh0.webp is missing; another level replaces it") !=
+        std::string::npos);
+  files.erase("1_0/meta.json");
+  const ReadLevels none = read_levels(files.at("lod-meta.json"), files);
+  CHECK(std::holds_alternative<std::monostate>(none.asset));
+  CHECK(none.diagnostics.errors() == 1);
+}
+
+TEST_CASE("reports what is damaged in the list of streamed SOG") {
+  const auto problem_with = [](const std::string& from, const std::string& to) {
+    std::string text = kTwoLevels;
+    text.replace(text.find(from), from.size(), to);
+    const Files files = two_levels(text);
+    const ReadLevels read = read_levels(files.at("lod-meta.json"), files);
+    return read.diagnostics.entries().empty() ? std::string() : read.diagnostics.entries()[0].message;
+  };
+  CHECK(problem_with("\"version\":1", "\"version\":2").find("version is not known") != std::string::npos);
+  CHECK(problem_with("\"0_0/meta.json\"", "\"../meta.json\"").find("not in its folder or below") != std::string::npos);
+  CHECK(problem_with("\"0_0/meta.json\"", "\"https://a/meta.json\"").find("not in its folder") != std::string::npos);
+  CHECK(problem_with("\"file\":0", "\"file\":7").find("no valid file, offset and count") != std::string::npos);
+  CHECK(problem_with("\"file\":0,\"offset\":1", "\"file\":0,\"offset\":2").find("has 2 splats; expected 3") !=
+        std::string::npos);
+  CHECK(problem_with("\"tree\"", "\"trees\"").find("has no tree") != std::string::npos);
+  CHECK(problem_with("\"count\":1", "\"count\":-1").find("no valid file") != std::string::npos);
+  CHECK(problem_with("\"lods\":{\"0\"", "\"lods\":{\"x\"").find("expected a number") != std::string::npos);
+  const Files files = two_levels();
+  for (std::size_t length = 0; length < kTwoLevels.size(); length += 3)
+    (void)read_levels(bytes_of(kTwoLevels.substr(0, length)), files);
+}
+
+TEST_CASE("reads streamed SOG of another program, without its finest levels") {
+  const auto folder = shared_folder() / "data/splats-formats/playbot";
+  if (!std::filesystem::exists(folder / "lod-meta.json")) {
+    WARN("no " << folder);
+    return;
+  }
+  Files files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+    if (entry.is_regular_file())
+      files[std::filesystem::relative(entry.path(), folder).generic_string()] = file_bytes(entry.path());
+  const ReadLevels read = read_levels(files.at("lod-meta.json"), files);
+  REQUIRE(std::holds_alternative<qnv::Gaussians>(read.asset));
+  const auto& gaussians = std::get<qnv::Gaussians>(read.asset);
+  INFO(gaussians.size());
+  CHECK(gaussians.size() > 27900);  // of level 3
+  CHECK(gaussians.size() <= 31000);
+  CHECK(read.diagnostics.entries().size() == 3);  // levels 0, 1 and 2 are missing
 }
 
 }  // namespace gs::app::formats_sog_test

@@ -363,6 +363,43 @@ TEST_CASE("VTK surfaces: list their arrays, and show the chosen one") {
   }
 }
 
+TEST_CASE("VTK surfaces: draw vectors of points as arrows over a grey surface") {
+  const std::string text = kLegacy +
+                           "POLYGONS 1 4\n3 0 1 2\nPOINT_DATA 4\nSCALARS heat float\nLOOKUP_TABLE default\n1 2 3 3\n"
+                           "VECTORS wind float\n3 4 0 0 0 0 nan 1 0 0 0 2\n";
+  const auto shown = [&](const std::string& dataset, FlowForm form) {
+    Import import("legacy VTK");
+    import.choice.dataset = dataset;
+    import.choice.flow = form;
+    return imported(import, bytes_of(text));
+  };
+  const Imported arrows = shown("wind", FlowForm::arrows);
+  CHECK(arrows.messages().empty());
+  const auto key = color_key_of(*arrows.scene);
+  REQUIRE(key);
+  CHECK(key->title == "wind (length)");
+  CHECK(key->low == 2);
+  CHECK(key->high == 5);
+  const auto shapes = arrows.all("IndexedFaceSet");
+  REQUIRE(shapes.size() == 2);
+  CHECK(arrows.scene->get<vrml::SFNode>(shapes[0], "color") == vrml::NodeId());
+  CHECK(arrows.values<vrml::MFInt32>(shapes[0], "coordIndex") == std::vector<std::int32_t>{0, 1, 2, -1});
+  // The arrow of the first point, (3, 4, 0), ends on its line. Zero and missing vectors have no arrows.
+  const auto places = arrows.values<vrml::MFVec3f>(arrows.scene->get<vrml::SFNode>(shapes[1], "coord"), "point");
+  const std::size_t one = places.size() / 2;
+  REQUIRE(one > 0);
+  const glm::vec3 tip = places[one - 1] - places[0];
+  CHECK(glm::length(tip) > 0);
+  CHECK(glm::length(glm::normalize(tip) - glm::vec3(0.6f, 0.8f, 0)) < 0.01f);
+
+  const Imported values = shown("heat", FlowForm::arrows);
+  CHECK(values.messages().find("no vectors of 2 or 3 components at points") != std::string::npos);
+  CHECK(color_key_of(*values.scene)->title == "heat");
+  const Imported lines = shown("wind", FlowForm::streamlines);
+  CHECK(lines.messages().find("streamlines need the vectors of a volume") != std::string::npos);
+  CHECK(color_key_of(*lines.scene)->title == "wind (length)");
+}
+
 TEST_CASE("detects VTK files by their content") {
   CHECK(content_type_of("a", bytes_of("<VTKFile type=\"PolyData\">")).name == "VTK PolyData");
   CHECK(content_type_of("a", bytes_of("<?xml?><VTKFile type='ImageData'>")).name == "VTK ImageData");

@@ -68,6 +68,19 @@ std::string boxes(int count) {
 
 }  // namespace
 
+TEST_CASE("asks for a coarse version only of volumes that a server reached by ssh encodes") {
+  LoadOptions options;
+  options.by_view = true;
+  const auto coarse = [&](const std::string& path) { return coarse_url_of(path, options); };
+  CHECK(coarse("ssh://ann@host/runs/a.h5") == "ssh://ann@host/runs/a.h5.coarse.qnv?from=8388608");
+  CHECK(coarse("ssh://host/~/run.nrrd") == "ssh://host/~/run.nrrd.coarse.qnv?from=8388608");
+  for (const char* const other : {"run.nrrd", "https://host/run.nrrd", "ssh://host/run.qnv", "ssh://host/scan.stl",
+                                  "ssh://host/image.zarr", "ssh://host/run.nrrd?from=1"})
+    CHECK(coarse(other).empty());
+  options.by_view = false;
+  CHECK(coarse("ssh://host/run.nrrd").empty());
+}
+
 TEST_CASE("shows a world before its file ends, with more of it each time") {
   Web web;
   const std::string text = boxes(3000);

@@ -11,6 +11,7 @@ TEST_CASE("writes remembered state and reads it back") {
   AppState memory;
   for (int i = 0; i < 60; ++i) note_recent(memory, "/worlds/" + std::to_string(i) + ".wrl");
   note_recent(memory, "/worlds/30.wrl");
+  note_recent(memory, "https://host/a.qnv?X-Amz-Signature=secret");
   CHECK(memory.recent.size() == AppState::kMaxRecent);
   CHECK(memory.recent[0] == "/worlds/30.wrl");
   CHECK(memory.recent[1] == "/worlds/59.wrl");

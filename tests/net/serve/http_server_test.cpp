@@ -234,6 +234,7 @@ TEST_CASE("HTTP server: answers conditional requests by validators") {
   CHECK(same.body.empty());
   CHECK(same.headers.at("etag") == tag);
   site.write("b", binary_pattern(1000));
+  fs::last_write_time(site.path("b"), fs::last_write_time(site.path("a")) + std::chrono::seconds(1));
   fs::rename(site.path("b"), site.path("a"));
   CHECK(site.get("/a").headers.at("etag") != tag);
 }
@@ -300,4 +301,28 @@ TEST_CASE("HTTP server: lists folders, JSON and metrics") {
   CHECK(metrics.body.find("ghostspace_http_requests_total{status=\"200\"} 5\n") != std::string::npos);
   site.write("index.html", "<p>own</p>");
   CHECK(site.get("/").body == "<p>own</p>");
+}
+
+TEST_CASE("HTTP server: passes POST without a body to its owner, and refuses bodies") {
+  ServedSite site;
+  std::vector<std::string> received;
+  site.options.post = [&](const PostRequest& request) {
+    received.push_back(request.path + ' ' + request.query + ' ' + request.authorization);
+    return request.query == "a=1" ? PostAnswer{200, "ok"} : PostAnswer{400, "expected a=1"};
+  };
+  site.write("x", "file");
+  site.start();
+  const Got got = site.get("/set?a=1", {"Authorization: Bearer secret", "Content-Length: 0"}, "POST");
+  CHECK(got.status == 200);
+  CHECK(got.body == "ok\n");
+  CHECK(got.headers.at("cache-control") == "no-store");
+  CHECK(site.get("/set?a=2", {}, "POST").body == "expected a=1\n");
+  CHECK(received == std::vector<std::string>{"/set a=1 Bearer secret", "/set a=2 "});
+  CHECK(site.get("/x").body == "file");
+  CHECK(site.get("/set?a=1", {"Host: evil.example"}, "POST").status == 421);
+  CHECK(site.get("/set?a=1", {"Content-Length: 5"}, "POST").status == 413);
+  CHECK(received.size() == 2);
+  site.options.post = {};
+  site.start();
+  CHECK(site.get("/set?a=1", {}, "POST").status == 405);
 }

@@ -117,6 +117,16 @@ TEST_CASE("draws many small, few large and antialiased Gaussians with OpenGL as 
   check_same(list_of(std::make_shared<const qnv::Gaussians>(thin)));
 }
 
+TEST_CASE("draws flat Gaussians with OpenGL as on the processor") {
+  qnv::Gaussians flat = random_gaussians(400, 1, 9);
+  for (std::size_t i = 0; i < flat.size(); ++i)
+    if (i % 5 != 0) flat.scales[i].z = 0;
+  const auto shared = std::make_shared<const qnv::Gaussians>(flat);
+  for (const glm::vec3& eye : {glm::vec3(0, 0, 3), glm::vec3(2, 1, -1), glm::vec3(0.3f, 0.2f, 0.4f)})
+    check_same(list_of(shared), eye);
+  check_same(list_of(shared, glm::rotate(scale({1.5f, 0.6f, -1}), 1.0f, glm::vec3(1, 2, 3))), {0, 1, 4});
+}
+
 TEST_CASE("draws several scenes of Gaussians in one order with OpenGL, clipped, faded, in fog and under any matrix") {
   RenderList list = list_of(scene(300, 2, 5), glm::rotate(scale({1.5f, 0.6f, -1}), 1.0f, glm::vec3(1, 2, 3)));
   list.splats.push_back(list_of(scene(200, 0, 6), translation({0.4f, 0.2f, 0.5f})).splats[0]);
@@ -135,6 +145,30 @@ TEST_CASE("draws several scenes of Gaussians in one order with OpenGL, clipped, 
     list.fog.exponential = exponential;
     check_same(list, look, {0, 0, 3}, 1, [](Picture&) {});
   }
+}
+
+TEST_CASE("draws Gaussians and volumes in the order of their distances from the eye") {
+  qnv::Volume volume;
+  volume.description.box.add(glm::vec3(-1));
+  volume.description.box.add(glm::vec3(1));
+  qnv::Gaussians gaussians = random_gaussians(3, 0, 1);
+  gaussians.description.box.add(glm::vec3(-1));
+  gaussians.description.box.add(glm::vec3(1));
+  RenderList list = list_of(std::make_shared<const qnv::Gaussians>(gaussians), glm::mat4(translation({5, 0, 0})));
+  CHECK_FALSE(are_gaussians_behind_volumes(list, {0, 0, 0}));  // there is no volume
+  SplatItem item;
+  item.geometry = std::make_shared<const qnv::Geometry>(volume);
+  list.splats.push_back(item);
+  CHECK(are_gaussians_behind_volumes(list, {-10, 0, 0}));
+  CHECK(are_gaussians_behind_volumes(list, {0.5, 0, 0}));
+  CHECK_FALSE(are_gaussians_behind_volumes(list, {10, 0, 0}));
+  CHECK_FALSE(are_gaussians_behind_volumes(list, {4.5, 20, 0}));
+  list.splats[0].world_from_node = translation({0.5f, 0, 0});  // overlaps the volume
+  CHECK(are_gaussians_behind_volumes(list, {-10, 0, 0}));
+  CHECK_FALSE(are_gaussians_behind_volumes(list, {10, 0, 0}));
+  list.splats[0].world_from_node = translation({0, -5, 0});
+  CHECK(are_gaussians_behind_volumes(list, {0, 10, 1}));
+  CHECK_FALSE(are_gaussians_behind_volumes(list, {0, -10, 1}));
 }
 
 TEST_CASE("hides Gaussians behind polygons with OpenGL, and veils polygons by those in front, per sample") {

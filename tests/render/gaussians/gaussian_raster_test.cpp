@@ -70,6 +70,17 @@ std::vector<glm::dvec4> exact_picture(const qnv::Gaussians& g, const glm::mat4& 
     const glm::dmat3 scale(glm::dvec3(g.scales[i].x, 0, 0), glm::dvec3(0, g.scales[i].y, 0),
                            glm::dvec3(0, 0, g.scales[i].z));
     const glm::dmat3 root = linear * turn * scale, sigma = root * glm::transpose(root);
+    const double cx = at.x / depth * across + view.width * 0.5 - 0.5, cy = at.y / depth * up + view.height * 0.5 - 0.5;
+    const bool flat = g.scales[i].z == 0;
+    // The point of the plane that the ray of a pixel meets, in standard deviations.
+    const glm::dmat3 rays_from_plane = glm::inverse(glm::dmat3(root[0], root[1], at));
+    const auto surfel_square = [&](int column, int row) {
+      const glm::dvec3 ray((column + 0.5 - view.width * 0.5) / across, (row + 0.5 - view.height * 0.5) / up, -1);
+      const glm::dvec3 point = rays_from_plane * ray;  // t (u, v, 1)
+      const double square = (point.x * point.x + point.y * point.y) / (point.z * point.z);
+      const double screen = 2 * ((column - cx) * (column - cx) + (row - cy) * (row - cy));
+      return point.z > 0 ? std::min(square, screen) : screen;
+    };
     const glm::dvec3 u(across / depth, 0, across / depth * x), v(0, up / depth, up / depth * y);
     double xx = glm::dot(u, sigma * u), xy = glm::dot(u, sigma * v), yy = glm::dot(v, sigma * v);
     const double sharp = xx * yy - xy * xy;
@@ -82,12 +93,12 @@ std::vector<glm::dvec4> exact_picture(const qnv::Gaussians& g, const glm::mat4& 
     const std::size_t per = qnv::harmonic_count(g.degree);
     const glm::dvec3 color(
         gaussian_color(g.bases[i], per == 0 ? nullptr : g.harmonics.data() + i * per, g.degree, direction));
-    const double cx = at.x / depth * across + view.width * 0.5 - 0.5, cy = at.y / depth * up + view.height * 0.5 - 0.5;
     for (int row = 0; row < view.height; ++row)
       for (int column = 0; column < view.width; ++column) {
         const double dx = column - cx, dy = row - cy;
-        const double alpha =
-            std::min(0.99, opacity * std::exp(-0.5 * (yy * dx * dx - 2 * xy * dx * dy + xx * dy * dy) / determinant));
+        const double square =
+            flat ? surfel_square(column, row) : (yy * dx * dx - 2 * xy * dx * dy + xx * dy * dy) / determinant;
+        const double alpha = std::min(0.99, opacity * std::exp(-0.5 * square));
         if (alpha < 1.0 / 255) continue;
         glm::dvec4& pixel = picture[static_cast<std::size_t>(row * view.width + column)];
         const double part = (1 - pixel.w) * alpha;
@@ -120,6 +131,50 @@ TEST_CASE("draws Gaussians as EWA splatting defines, from any direction") {
       INFO("degree " << degree << " from " << eye.x << ' ' << eye.y << ' ' << eye.z << ": " << agreement);
       CHECK(agreement > 50);
     }
+}
+
+TEST_CASE("draws flat Gaussians where the rays of the pixels meet them, also from the edge and under any matrix") {
+  const SplatView view = view_of(93, 70);
+  qnv::Gaussians gaussians = random_gaussians(300, 1, 19);
+  for (std::size_t i = 0; i < gaussians.size(); ++i) {
+    gaussians.scales[i].z = 0;
+    if (i % 3 == 0) gaussians.scales[i] *= 3.0f;
+    if (i % 4 == 0) gaussians.rotations[i] = {0, 0, 0, 1};  // in a plane with some of the eyes
+  }
+  glm::mat4 skewed = glm::scale(seen_from({0, 0, 4}), glm::vec3(1.5f, 0.6f, -1));
+  skewed = glm::rotate(skewed, 1.0f, glm::vec3(1, 2, 3));
+  for (const glm::mat4& matrix : {seen_from({0, 0, 6}), seen_from({4, 2, -3}), seen_from({5, 0, 0}), skewed}) {
+    const GaussianItem item = item_of(gaussians, matrix);
+    // Surfels that reach the plane of the eye are drawn by EWA; here are none in view.
+    ProjectedGaussians all;
+    project_gaussians(item, view, 0, gaussians.size(), all);
+    REQUIRE(all.splats.size() > 100);
+    CHECK(all.surfels.size() == all.splats.size());
+    const double agreement = decibels(rasterize_gaussians({&item, 1}, view), exact_picture(gaussians, matrix, view));
+    INFO(agreement);
+    CHECK(agreement > 45);
+  }
+}
+
+TEST_CASE("draws a large flat Gaussian in perspective") {
+  // EWA would draw the near and the far part of a strip along the ground with equal widths.
+  // one.
+  qnv::Gaussians gaussians = random_gaussians(1, 0, 1);
+  gaussians.positions = {{0, -1, -4}};
+  gaussians.scales = {{0.5f, 1, 0}};
+  gaussians.rotations = {{-std::sqrt(0.5f), 0, 0, std::sqrt(0.5f)}};  // its normal is the y axis
+  gaussians.opacities = {0.9f};
+  SplatView view = view_of(101, 101);
+  view.tangents = glm::vec2(0.8f);
+  const GaussianItem item = item_of(gaussians, glm::mat4(1));
+  const VolumeLayer layer = rasterize_gaussians({&item, 1}, view);
+  CHECK(decibels(layer, exact_picture(gaussians, glm::mat4(1), view)) > 50);
+  const auto width_of = [&](int row) {
+    int width = 0;
+    for (int x = 0; x < 101; ++x) width += layer.pixels[4 * static_cast<std::size_t>(row * 101 + x) + 3] > 20 ? 1 : 0;
+    return width;
+  };
+  CHECK(width_of(20) > 2 * width_of(40));
 }
 
 TEST_CASE("draws antialiased Gaussians with the energy of narrow ones") {
@@ -157,7 +212,8 @@ TEST_CASE("hides Gaussians behind the existing image, per sample") {
 }
 
 TEST_CASE("draws equal Gaussians with any number of threads and both kernels") {
-  const qnv::Gaussians gaussians = random_gaussians(30000, 0, 13);
+  qnv::Gaussians gaussians = random_gaussians(30000, 0, 13);
+  for (std::size_t i = 0; i < gaussians.size(); i += 3) gaussians.scales[i].z = 0;
   SplatView view = view_of(200, 150);
   const GaussianItem item = item_of(gaussians, seen_from({0, 0, 2}));
   view.threads = 1;
@@ -166,11 +222,11 @@ TEST_CASE("draws equal Gaussians with any number of threads and both kernels") {
   const VolumeLayer five = rasterize_gaussians({&item, 1}, view);
   CHECK(one.pixels == five.pixels);
   CHECK(one.depth == five.depth);
-  std::vector<GaussianSplat> splats;
-  std::vector<float> distances;
-  project_gaussians(item, view, 0, gaussians.size(), splats, distances);
-  REQUIRE(splats.size() > 10000);
-  REQUIRE(distances.size() == splats.size());
+  ProjectedGaussians all;
+  project_gaussians(item, view, 0, gaussians.size(), all);
+  REQUIRE(all.splats.size() > 10000);
+  REQUIRE(all.distances.size() == all.splats.size());
+  CHECK(all.surfels.size() > 1000);
   std::vector<std::uint32_t> order(2000);
   std::iota(order.begin(), order.end(), 0u);
   for (const bool stopped : {false, true}) {
@@ -180,8 +236,8 @@ TEST_CASE("draws equal Gaussians with any number of threads and both kernels") {
       tile->stop.fill(2);
     }
     const GaussianKernel &quick = gaussian_kernel(), &portable = gaussian_kernel_baseline();
-    (stopped ? quick.stopped_tile : quick.tile)(splats.data(), order, 96, 64, fast);
-    (stopped ? portable.stopped_tile : portable.tile)(splats.data(), order, 96, 64, plain);
+    (stopped ? quick.stopped_tile : quick.tile)({all.splats.data(), all.surfels.data()}, order, 96, 64, fast);
+    (stopped ? portable.stopped_tile : portable.tile)({all.splats.data(), all.surfels.data()}, order, 96, 64, plain);
     CHECK(fast.red == plain.red);
     CHECK(fast.clear == plain.clear);
     CHECK(fast.depth == plain.depth);
@@ -193,13 +249,12 @@ TEST_CASE("keeps the order of Gaussians while the view turns") {
   const qnv::Gaussians gaussians = random_gaussians(500, 0, 17);
   const SplatView view = view_of(64, 64);
   const auto order_of = [&](float angle) {
-    std::vector<GaussianSplat> splats;
-    std::vector<float> distances;
+    ProjectedGaussians all;
     const GaussianItem item =
         item_of(gaussians, glm::rotate(glm::mat4(1), angle, glm::vec3(0, 1, 0)) * seen_from({0, 0, 9}));
-    project_gaussians(item, view, 0, gaussians.size(), splats, distances);
-    REQUIRE(distances.size() > 450);
-    return distances;
+    project_gaussians(item, view, 0, gaussians.size(), all);
+    REQUIRE(all.distances.size() > 450);
+    return all.distances;
   };
   const std::vector<float> straight = order_of(0), turned = order_of(0.2f);
   REQUIRE(straight.size() == turned.size());

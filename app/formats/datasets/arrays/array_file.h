@@ -35,6 +35,7 @@ struct ArrayInfo {
   std::string type_name{};                // type as stored: "f32", "u16be", "2 x f64 (r, i)", "text"
   std::vector<std::uint64_t> chunk{};     // shape of the parts that are stored together, or none
   std::vector<std::string> dimensions{};  // name of each axis, or of none; a path if it is an array of the file
+  bool first_grows = false;               // programs may append along the first axis, for example steps
   std::string problem{};                  // reason why read() cannot work, or none
 };
 

@@ -11,7 +11,7 @@ void append_values(std::span<const double> numbers, std::size_t parts, const Vox
   if (parts == 0) return;
   data.values.reserve(data.values.size() + numbers.size() / parts);
   for (std::size_t i = 0; i + parts <= numbers.size(); i += parts)
-    data.values.push_back(static_cast<float>(shown_number(numbers.subspan(i, parts), choice)));
+    append_number(numbers.subspan(i, parts), choice, data);
 }
 
 void set_title(std::string_view name, std::size_t parts, std::string_view unit, const VoxelComponent& choice,

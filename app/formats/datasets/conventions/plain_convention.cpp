@@ -54,9 +54,11 @@ bool set_named_roles(std::span<const std::string> names, std::vector<GridAxis>& 
   return used[static_cast<std::size_t>(AxisRole::x)] && used[static_cast<std::size_t>(AxisRole::y)];
 }
 
-/// Sets roles by the order and the sizes of the axes: time, channel or component, z, y, x, component.
-void set_usual_roles(const ArrayInfo& array, std::vector<GridAxis>& axes) {
+/// Sets roles by the order and the sizes of the axes: time, channel or component, z, y, x, component. A first axis that
+/// grows or is named after time is time, however short it is.
+void set_usual_roles(const ArrayInfo& array, std::span<const std::string> names, std::vector<GridAxis>& axes) {
   std::size_t end = axes.size();
+  const bool first_is_time = array.first_grows || (!names.empty() && named_role(names.front()) == AxisRole::time);
   const auto small = [&](std::size_t axis) { return array.shape[axis] >= 2 && array.shape[axis] <= kMostColors; };
   const auto larger = [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i)
@@ -72,7 +74,7 @@ void set_usual_roles(const ArrayInfo& array, std::vector<GridAxis>& axes) {
   constexpr AxisRole kSpace[] = {AxisRole::x, AxisRole::y, AxisRole::z};
   for (const AxisRole role : kSpace)
     if (end > 0) axes[--end].role = role;
-  if (end > 0 && small(end - 1) && !has_components) {
+  if (end > 0 && small(end - 1) && !has_components && !(end == 1 && first_is_time)) {
     axes[--end].role = AxisRole::component;
     has_components = true;
   }
@@ -86,7 +88,7 @@ GridSpec plain_spec(DatasetTree& tree, const ArrayInfo& array) {
   spec.path = array.path;
   spec.axes.resize(array.shape.size());
   const std::vector<std::string> names = axis_names(tree, array);
-  if (!set_named_roles(names, spec.axes)) set_usual_roles(array, spec.axes);
+  if (!set_named_roles(names, spec.axes)) set_usual_roles(array, names, spec.axes);
   for (std::size_t i = 0; i < std::min(names.size(), spec.axes.size()); ++i) spec.axes[i].name = name_of_path(names[i]);
   read_common_attributes(tree, array, spec);
   spec.colors = true;

@@ -220,8 +220,9 @@ class Hdf5File final : public ArrayFile {
       return array;
     }
     describe_hdf5_type(type.get(), array);
-    std::array<hsize_t, H5S_MAX_RANK> sizes{};
-    const int rank = H5Sget_simple_extent_dims(space.get(), sizes.data(), nullptr);
+    std::array<hsize_t, H5S_MAX_RANK> sizes{}, maxima{};
+    const int rank = H5Sget_simple_extent_dims(space.get(), sizes.data(), maxima.data());
+    array.first_grows = rank > 0 && maxima[0] == H5S_UNLIMITED;
     for (int i = 0; i < rank; ++i) array.shape.push_back(sizes[static_cast<std::size_t>(i)]);
     if (H5Sget_simple_extent_type(space.get()) == H5S_NULL) {
       array.shape = {0};

@@ -20,6 +20,11 @@ struct HeldArchive {
   std::string folder;  // of the container in the archive, empty or with '/' at its end
 };
 
+// Files through which a container is opened, in the order of the attempts. Attributes come late: of an array they may
+// be any object, by which no format is recognised.
+constexpr std::string_view kZarrEntryFiles[] = {"zarr.json", ".zmetadata", ".zgroup",
+                                                ".zarray",   ".zattrs",    "attributes.json"};
+
 bool is_zarr_metadata_file(std::string_view name) {
   return std::ranges::find(kZarrMetadataFiles, name) != std::end(kZarrMetadataFiles);
 }
@@ -91,7 +96,7 @@ std::variant<ZarrPlace, std::string> zarr_place_of_zip(SharedBytes bytes, const 
 std::string zarr_entry_of_folder(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_directory(path, error)) return {};
-  for (const std::string_view name : kZarrMetadataFiles)
+  for (const std::string_view name : kZarrEntryFiles)
     if (const auto file = std::filesystem::path(path) / name; std::filesystem::is_regular_file(file, error))
       return file.string();
   return {};
@@ -111,9 +116,10 @@ std::vector<std::string> zarr_entries_of_url(std::string_view url) {
   const std::string_view name = last_zarr_part(path);
   if (!container || is_zarr_metadata_file(name)) return {};
   std::vector<std::string> urls;
-  for (const char* const file : {"zarr.json", ".zattrs", ".zgroup", ".zarray", "attributes.json"}) {
+  for (const std::string_view file : kZarrEntryFiles) {
+    if (file == ".zmetadata") continue;  // the reader asks for it
     net::Url one = parsed;
-    one.path = path + "/" + file;
+    one.path = path + "/" + std::string(file);
     urls.push_back(one.text());
   }
   return urls;

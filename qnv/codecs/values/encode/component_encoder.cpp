@@ -19,22 +19,32 @@
 namespace gs::qnv::values {
 namespace {
 
-/// Reads a volume batch by batch. Calls take(batch) for each. Returns an error if the source fails, or if cancelled.
+/// Source and target of runs.
+struct RunWork {
+  SampleReader& reader;
+  const VolumeLayout& layout;
+  SpillStore& store;
+  Ranks& ranks;
+  Progress* progress;
+};
+
+/// Reads the slabs of this rank batch by batch. Calls take(batch) for each. Returns an error if the source fails, or if
+/// cancelled.
 template <class Take>
-std::optional<EncodeError> each_batch(SampleReader& reader, const VolumeLayout& layout, bool codes, Progress* progress,
-                                      Take&& take) {
+std::optional<EncodeError> each_batch(const RunWork& work, bool codes, Take&& take) {
   SampleBatch batch;
-  const std::uint32_t depth = layout.dimensions[2];
+  Progress* const progress = work.progress;
+  const SliceWindow window = slices_of(slabs_of(work.ranks, work.layout.dimensions[2]), work.layout.dimensions[2]);
   if (progress) {
     progress->stage = "sampling";
     progress->done = 0;
-    progress->total = depth;
+    progress->total = window.end - window.first;
   }
-  for (std::uint32_t z = 0; z < depth; z += kBatchSlices) {
+  for (std::uint32_t z = window.first; z < window.end; z += kBatchSlices) {
     if (is_cancelled(progress)) return EncodeError{"cancelled"};
-    if (auto problem = reader.read(z, std::min(kBatchSlices, depth - z), codes, batch)) return problem;
+    if (auto problem = work.reader.read(z, std::min(kBatchSlices, window.end - z), codes, batch)) return problem;
     take(batch);
-    if (progress) progress->done = z + batch.count;
+    if (progress) progress->done += batch.count;
   }
   return std::nullopt;
 }
@@ -47,36 +57,36 @@ void add_layers(std::span<const Number> numbers, const VolumeLayout& layout, Run
     encoder.add(numbers.subspan(at, std::min(layer, numbers.size() - at)));
 }
 
-// Stores the gaps of a volume, and lets `reader` fill them.
-std::optional<EncodeError> encode_gaps(SampleReader& reader, const VolumeLayout& layout, SpillStore& store,
-                                       std::vector<StoredRun>& runs, Progress* progress) {
+// Stores the gaps of a volume, and lets the reader fill them.
+std::optional<EncodeError> encode_gaps(const RunWork& work, std::vector<StoredRun>& runs) {
   std::optional<EncodeError> problem;
-  GapEncoder encoder(layout.dimensions, [&](CubeRun&& run) { store_run(run, store, runs, problem); });
-  if (auto failed = each_batch(reader, layout, false, progress, [&](const SampleBatch& batch) {
-        reader.measure_gaps(batch);
-        add_layers(std::span(batch.missing), layout, encoder);
-      }))
-    return failed;
+  GapEncoder encoder(
+      work.layout.dimensions, [&](CubeRun&& run) { store_run(run, work.store, runs, problem); },
+      slabs_of(work.ranks, work.layout.dimensions[2]).first);
+  auto failed = each_batch(work, false, [&](const SampleBatch& batch) {
+    work.reader.measure_gaps(batch);
+    add_layers(std::span(batch.missing), work.layout, encoder);
+  });
   encoder.finish();
-  reader.prepare_gaps();
-  return problem;
+  if ((failed = share_runs(work.ranks, work.store, failed ? failed : problem, runs))) return failed;
+  work.reader.prepare_gaps(work.ranks);
+  return std::nullopt;
 }
 
 // Stores the differences between the stored voxels and the samples.
-std::optional<EncodeError> encode_codes(SampleReader& reader, const VolumeLayout& layout, const ValueGrid& grid,
-                                        SpillStore& store, std::vector<StoredRun>& runs, Progress* progress) {
+std::optional<EncodeError> encode_codes(const RunWork& work, const ValueGrid& grid, std::vector<StoredRun>& runs) {
   std::optional<EncodeError> problem;
-  RemainderEncoder encoder(layout.dimensions, [&](CubeRun&& run) { store_run(run, store, runs, problem); });
+  RemainderEncoder encoder(
+      work.layout.dimensions, [&](CubeRun&& run) { store_run(run, work.store, runs, problem); },
+      slabs_of(work.ranks, work.layout.dimensions[2]).first);
   const StoredCodes codes(grid);
-  if (auto failed = each_batch(reader, layout, true, progress, [&](SampleBatch& batch) {
-        for (std::size_t i = 0; i < batch.codes.size(); ++i)
-          batch.codes[i] =
-              !batch.missing.empty() && batch.missing[i] != 0 ? 0 : batch.codes[i] - codes(batch.samples[i]);
-        add_layers(std::span<const std::uint32_t>(batch.codes), layout, encoder);
-      }))
-    return failed;
+  const auto failed = each_batch(work, true, [&](SampleBatch& batch) {
+    for (std::size_t i = 0; i < batch.codes.size(); ++i)
+      batch.codes[i] = !batch.missing.empty() && batch.missing[i] != 0 ? 0 : batch.codes[i] - codes(batch.samples[i]);
+    add_layers(std::span<const std::uint32_t>(batch.codes), work.layout, encoder);
+  });
   encoder.finish();
-  return problem;
+  return share_runs(work.ranks, work.store, failed ? failed : problem, runs);
 }
 
 // Returns the size that is left for the clusters of one component, beside their parity.
@@ -106,9 +116,14 @@ bool starts_chain(std::size_t step) { return step % kChainSteps == 0; }
 /// Encoder of one component, step by step.
 class ComponentEncoder {
  public:
-  ComponentEncoder(std::span<const VolumeSource> steps, const EncodeOptions& options, SpillStore& store,
-                   Progress* progress)
-      : steps_(steps), options_(options), store_(store), progress_(progress) {}
+  ComponentEncoder(std::span<const VolumeSource> steps, std::size_t component, const EncodeOptions& options,
+                   SpillStore& store, Progress* progress)
+      : steps_(steps),
+        component_(component),
+        options_(options),
+        ranks_(options.ranks ? *options.ranks : alone_),
+        store_(store),
+        progress_(progress) {}
 
   std::variant<EncodedComponent, EncodeError> encode(StreamHeader header, bool alone);
 
@@ -122,7 +137,10 @@ class ComponentEncoder {
   void finish_errors();
 
   std::span<const VolumeSource> steps_;
+  std::size_t component_;
   const EncodeOptions& options_;
+  Ranks alone_;
+  Ranks& ranks_;
   SpillStore& store_;
   Progress* progress_;
   SampledVolume volume_;
@@ -137,17 +155,20 @@ std::optional<EncodeError> ComponentEncoder::encode_step(std::size_t step, const
   ValueGrid& grid = made_.grid;
   ComponentParts& parts = made_.steps[step];
   SampleReader reader(steps_[step], volume_, options_.threads);
+  const RunWork runs{reader, layout, store_, ranks_, progress_};
   if (grid.gaps)
-    if (auto problem = encode_gaps(reader, layout, store_, parts.gaps, progress_)) return problem;
+    if (auto problem = encode_gaps(runs, parts.gaps)) return problem;
   ValuesLimit limit{volume_.most_error, 0, alone && !is_series()};
   if (options_.max_bytes != 0)
     limit.max_bytes = room_for_clusters(header, parts.gaps, options_.max_bytes, values_protection(options_));
   std::optional<EncodedStep> encoded_step;
   if (decoded_) encoded_step.emplace(EncodedStep{*decoded_, starts_chain(step)});
-  auto encoding = values::encode_values([&](std::uint32_t first, std::uint32_t count,
-                                            SampleBatch& batch) { return reader.read(first, count, false, batch); },
-                                        layout.dimensions, limit, store_, options_.threads, progress_,
-                                        encoded_step ? &*encoded_step : nullptr);
+  auto encoding = values::encode_values(
+      [&](std::uint32_t first, std::uint32_t count, SampleBatch& batch) {
+        return reader.read(first, count, false, batch);
+      },
+      layout.dimensions, limit, store_, options_.threads, progress_, encoded_step ? &*encoded_step : nullptr,
+      {options_.ranks, "c" + std::to_string(component_) + "s" + std::to_string(step)});
   if (auto* problem = std::get_if<EncodeError>(&encoding)) return std::move(*problem);
   auto& encoded = std::get<EncodedValues>(encoding);
   parts.clusters = std::move(encoded.clusters);
@@ -157,7 +178,7 @@ std::optional<EncodeError> ComponentEncoder::encode_step(std::size_t step, const
       error.chunks += static_cast<std::uint32_t>(parts.gaps.size());
       grid.errors.push_back(in_values(error, volume_.rounding, grid));
     }
-  if (grid.exact) return encode_codes(reader, layout, grid, store_, parts.remainders, progress_);
+  if (grid.exact) return encode_codes(runs, grid, parts.remainders);
   parts.remainders = std::move(encoded.corrections);
   if (!parts.remainders.empty()) grid.correction = correction_step(volume_.most_error);
   return std::nullopt;
@@ -230,13 +251,15 @@ std::optional<EncodeError> ComponentEncoder::measure_prefixes() {
       StoredBlocks blocks(store_, made_.steps[step].clusters, layout.count());
       blocks.keep(counts[step]);
       decoded_->decode(blocks, starts_chain(step), options_.threads);
-      if (blocks.failed()) return EncodeError{"cannot read the clusters again: " + store_.problem()};
       SampleReader reader(steps_[step], volume_, options_.threads);
       const ReadSamples read = [&](std::uint32_t first, std::uint32_t count, SampleBatch& batch) {
         return reader.read(first, count, false, batch);
       };
-      auto measured =
-          ErrorMeter(read, grid.dimensions, options_.threads, progress_).measure(decoded_->writer(), 0, nullptr);
+      std::optional<EncodeError> failed;
+      if (blocks.failed()) failed = EncodeError{"cannot read the clusters again: " + store_.problem()};
+      if ((failed = agree(ranks_, failed))) return failed;
+      auto measured = ErrorMeter(read, grid.dimensions, options_.threads, ranks_, progress_)
+                          .measure(decoded_->writer(), 0, nullptr);
       if (auto* problem = std::get_if<EncodeError>(&measured)) return std::move(*problem);
       const auto& one = std::get<ValueError>(measured);
       error.most = std::max(error.most, one.most);
@@ -283,7 +306,7 @@ void ComponentEncoder::finish_errors() {
 }
 
 std::variant<EncodedComponent, EncodeError> ComponentEncoder::encode(StreamHeader header, bool alone) {
-  auto sampled = sample_volume(steps_, options_.tolerance, progress_);
+  auto sampled = sample_volume(steps_, options_.tolerance, ranks_, progress_);
   if (auto* problem = std::get_if<EncodeError>(&sampled)) return std::move(*problem);
   volume_ = std::move(std::get<SampledVolume>(sampled));
   made_.range = volume_.value_range;
@@ -315,10 +338,11 @@ std::variant<EncodedComponent, EncodeError> ComponentEncoder::encode(StreamHeade
 
 }  // namespace
 
-std::variant<EncodedComponent, EncodeError> encode_component(std::span<const VolumeSource> steps, StreamHeader header,
-                                                             bool alone, const EncodeOptions& options,
-                                                             SpillStore& store, Progress* progress) {
-  return ComponentEncoder(steps, options, store, progress).encode(std::move(header), alone);
+std::variant<EncodedComponent, EncodeError> encode_component(std::span<const VolumeSource> steps, std::size_t component,
+                                                             StreamHeader header, bool alone,
+                                                             const EncodeOptions& options, SpillStore& store,
+                                                             Progress* progress) {
+  return ComponentEncoder(steps, component, options, store, progress).encode(std::move(header), alone);
 }
 
 }  // namespace gs::qnv::values

@@ -21,11 +21,12 @@ struct EncodedComponent {
 };
 
 /// Encodes one component into a store. `steps` are the volume, or all steps of a time series, with equal grids.
-/// `header` has everything but the description and the grid. `alone` states that there are no other components. Returns
-/// an error if a source or the store fails, for volumes without values or with too many voxels, or if cancelled.
+/// `component` is its number. `header` has everything but the description and the grid. `alone` states that there are
+/// no other components. Returns an error if a source or the store fails, for volumes without values or with too many
+/// voxels, or if cancelled. With EncodeOptions::ranks, all ranks return the same.
 [[nodiscard]] std::variant<EncodedComponent, EncodeError> encode_component(std::span<const VolumeSource> steps,
-                                                                           StreamHeader header, bool alone,
-                                                                           const EncodeOptions& options,
+                                                                           std::size_t component, StreamHeader header,
+                                                                           bool alone, const EncodeOptions& options,
                                                                            SpillStore& store, Progress* progress);
 
 }  // namespace gs::qnv::values

@@ -1,20 +1,28 @@
 #pragma once
 
 #include "base/parallel.h"
+#include "qnv/codecs/shared/ranks.h"
 #include "qnv/codecs/shared/spill_store.h"
+#include "qnv/codecs/values/chunk_places.h"
 #include "qnv/codecs/values/cube_runs.h"
 #include "qnv/codecs/values/encode/sample_batch.h"
 #include "qnv/codecs/values/encode/step_coefficients.h"
 #include "qnv/codecs/values/encode/stored_clusters.h"
+#include "qnv/container/container.h"
 #include "qnv/container/value_grid.h"
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <string>
 #include <variant>
 #include <vector>
 
 namespace gs::qnv::values {
+
+/// Bytes of a chunk with a cluster, beside its payload.
+inline constexpr std::size_t kClusterChunkCost = kChunkHeaderBytes + kMostPlaceBytes;
 
 /// Limits at which a stream ends: an error or a size.
 struct ValuesLimit {
@@ -35,6 +43,12 @@ struct StoredRun {
   std::uint32_t count = 0, bytes = 0;   // of cubes, of the packed form
 };
 
+/// Processes that encode a volume together, and the name of the work that they keep in the store.
+struct SharedWork {
+  Ranks* ranks = nullptr;  // null means this process alone
+  std::string name;
+};
+
 /// Encoded volume, with its bytes in a SpillStore.
 struct EncodedValues {
   std::vector<StoredCluster> clusters;  // the most useful per byte first
@@ -49,14 +63,20 @@ struct EncodedValues {
 void store_run(const CubeRun& run, SpillStore& store, std::vector<StoredRun>& runs,
                std::optional<EncodeError>& problem);
 
+/// Makes the runs of all ranks, which follow each other, known to all. Returns `problem`, or that of another rank.
+[[nodiscard]] std::optional<EncodeError> share_runs(Ranks& ranks, SpillStore& store,
+                                                    const std::optional<EncodeError>& problem,
+                                                    std::vector<StoredRun>& runs);
+
 /// Encodes a volume that is read slice by slice, several times. Memory: about 60 slices of 4 bytes per voxel, and 24
 /// bytes per cluster. Returns an error if `read` or the store fails, or if cancelled. The clusters do not depend on the
 /// number of threads, nor on the store. With `step`, encodes a step of a time series, and measures only the error at
-/// its end. Blocks.
+/// its end. With ranks, each one encodes some rows of blocks of each level, and all return the same. Blocks.
 [[nodiscard]] std::variant<EncodedValues, EncodeError> encode_values(const ReadSamples& read, Extent extent,
                                                                      const ValuesLimit& limit, SpillStore& store,
                                                                      unsigned threads = 0, Progress* progress = nullptr,
-                                                                     const EncodedStep* step = nullptr);
+                                                                     const EncodedStep* step = nullptr,
+                                                                     const SharedWork& work = {});
 
 /// Returns the lengths, in clusters, of the prefixes to measure. The first prefix has about 4 kB. Each further prefix
 /// is larger by a factor, up to an eighth of the bytes. Large volumes have fewer prefixes, because each one is decoded.

@@ -13,63 +13,49 @@ namespace gs::qnv::values {
 
 namespace {
 
-/// Sum of errors. The sums of slices are added in order, so that the result does not depend on threads.
-struct ErrorSum {
-  std::int64_t most = 0;
-  double squares = 0;
-  std::uint64_t count = 0;
-
-  void add(const ErrorSum& other) {
-    most = std::max(most, other.most);
-    squares += other.squares;
-    count += other.count;
-  }
-};
-
 // Samples of a slice, and those that were decoded.
 struct ComparedSlice {
   std::span<const std::int32_t> truth, decoded;
   std::span<const std::uint8_t> missing;  // empty if none is
 };
 
-// Returns the error of samples if none is missing. Uses four independent sums, each of every fourth sample.
-ErrorSum error_of_all(const ComparedSlice& slice) {
-  constexpr std::size_t kSums = 4;
-  std::array<double, kSums> squares{};
-  std::array<std::int32_t, kSums> most{}, least{};
-  const std::int32_t *const truth = slice.truth.data(), *const decoded = slice.decoded.data();
-  std::size_t i = 0;
-  const auto add = [&](std::size_t k, std::int32_t apart) {
-    most.data()[k] = std::max(most.data()[k], apart);
-    least.data()[k] = std::min(least.data()[k], apart);
-    squares.data()[k] += static_cast<double>(apart) * apart;
-  };
-  for (; i + kSums <= slice.truth.size(); i += kSums)
-    for (std::size_t k = 0; k < kSums; ++k) add(k, truth[i + k] - decoded[i + k]);
-  for (; i < slice.truth.size(); ++i) add(0, truth[i] - decoded[i]);
-  ErrorSum sum;
-  sum.count = slice.truth.size();
-  sum.most = std::max<std::int64_t>(*std::ranges::max_element(most), -std::int64_t{*std::ranges::min_element(least)});
-  sum.squares = (squares[0] + squares[1]) + (squares[2] + squares[3]);
-  return sum;
-}
-
+// Returns the error of the samples that are not missing.
 ErrorSum error_of(const ComparedSlice& slice) {
-  if (slice.missing.empty()) return error_of_all(slice);
+  // Sums of as many squares of at most kSmall fit into 64 bits.
+  constexpr std::size_t kRun = 4096;
+  constexpr std::int64_t kSmall = std::int64_t{1} << 25;
   ErrorSum sum;
   sum.count = slice.truth.size();
-  double squares = 0;
-  std::int32_t most = 0, least = 0;
-  for (std::size_t i = 0; i < slice.truth.size(); ++i) {
-    const bool there = slice.missing[i] == 0;
-    const std::int32_t apart = there ? slice.truth[i] - slice.decoded[i] : 0;
-    most = std::max(most, apart);
-    least = std::min(least, apart);
-    squares += static_cast<double>(apart) * apart;
-    if (!there) --sum.count;
+  const std::int32_t *const truth = slice.truth.data(), *const decoded = slice.decoded.data();
+  for (std::size_t at = 0; at < slice.truth.size(); at += kRun) {
+    const std::size_t end = std::min(at + kRun, slice.truth.size());
+    std::uint64_t squares = 0;
+    std::int64_t most = 0, least = 0;
+    const auto add = [&](std::size_t i, bool there) {
+      const std::int64_t apart = there ? std::int64_t{truth[i]} - decoded[i] : 0;
+      most = std::max(most, apart);
+      least = std::min(least, apart);
+      squares += static_cast<std::uint64_t>(apart * apart);
+    };
+    if (slice.missing.empty())
+      for (std::size_t i = at; i < end; ++i) add(i, true);
+    else
+      for (std::size_t i = at; i < end; ++i) {
+        const bool there = slice.missing[i] == 0;
+        add(i, there);
+        if (!there) --sum.count;
+      }
+    sum.most = std::max({sum.most, most, -least});
+    if (std::max(most, -least) < kSmall) {
+      sum.squares.add(squares);
+      continue;
+    }
+    for (std::size_t i = at; i < end; ++i)
+      if (slice.missing.empty() || slice.missing[i] == 0) {
+        const std::int64_t apart = std::int64_t{truth[i]} - decoded[i];
+        sum.squares.add(static_cast<std::uint64_t>(apart * apart));
+      }
   }
-  sum.most = std::max<std::int64_t>(most, -std::int64_t{least});
-  sum.squares = squares;
   return sum;
 }
 
@@ -87,7 +73,7 @@ ErrorSum correct(const ComparedSlice& slice, std::uint32_t most_error, std::span
       apart -= steps * step;
     }
     sum.most = std::max(sum.most, std::abs(apart));
-    sum.squares += static_cast<double>(apart * apart);
+    sum.squares.add(static_cast<std::uint64_t>(apart * apart));
     ++sum.count;
   }
   return sum;
@@ -95,22 +81,23 @@ ErrorSum correct(const ComparedSlice& slice, std::uint32_t most_error, std::span
 
 }  // namespace
 
-std::variant<ValueError, EncodeError> ErrorMeter::measure(const SliceRestorer::WriteBlock& write,
-                                                          std::uint32_t most_error, RemainderEncoder* corrections) {
+std::optional<EncodeError> ErrorMeter::add_errors(const SliceRestorer::WriteBlock& write, std::uint32_t most_error,
+                                                  RemainderEncoder* corrections, ErrorSum& whole) {
+  const SliceWindow window = slices_of(slabs_of(ranks_, extent_[2]), extent_[2]);
   if (progress_) {
     progress_->stage = "measuring";
     progress_->done = 0;
-    progress_->total = extent_[2];
+    progress_->total = window.end - window.first;
   }
-  SliceRestorer restorer(extent_, threads_, write);
+  if (window.first == window.end) return std::nullopt;
+  SliceRestorer restorer(extent_, threads_, write, window);
   const std::size_t slice = std::size_t{extent_[0]} * extent_[1];
   SampleBatch batch;
   std::vector<std::int32_t> decoded;
   std::vector<std::uint32_t> steps;
-  ErrorSum whole;
-  for (std::uint32_t z = 0; z < extent_[2]; z += kBatchSlices) {
+  for (std::uint32_t z = window.first; z < window.end; z += kBatchSlices) {
     if (is_cancelled(progress_)) return EncodeError{"cancelled"};
-    if (auto problem = read_(z, std::min(kBatchSlices, extent_[2] - z), batch)) return std::move(*problem);
+    if (auto problem = read_(z, std::min(kBatchSlices, window.end - z), batch)) return problem;
     decoded.resize(slice * batch.count);
     steps.resize(corrections ? slice * batch.count : 0);
     std::vector<SliceRows> slices;
@@ -132,10 +119,19 @@ std::variant<ValueError, EncodeError> ErrorMeter::measure(const SliceRestorer::W
     if (corrections)
       for (std::size_t at = 0; at < steps.size(); at += kCubeEdge * slice)
         corrections->add(std::span(steps).subspan(at, std::min(kCubeEdge * slice, steps.size() - at)));
-    if (progress_) progress_->done = z + batch.count;
+    if (progress_) progress_->done += batch.count;
   }
   if (corrections) corrections->finish();
-  const double mean = whole.count > 0 ? whole.squares / static_cast<double>(whole.count) : 0;
+  return std::nullopt;
+}
+
+std::variant<ValueError, EncodeError> ErrorMeter::measure(const SliceRestorer::WriteBlock& write,
+                                                          std::uint32_t most_error, RemainderEncoder* corrections) {
+  ErrorSum own;
+  if (auto problem = agree(ranks_, add_errors(write, most_error, corrections, own))) return std::move(*problem);
+  ErrorSum whole;
+  for (const ErrorSum& part : gather_records(ranks_, std::span<const ErrorSum>(&own, 1))) whole.add(part);
+  const double mean = whole.count > 0 ? whole.squares.value() / static_cast<double>(whole.count) : 0;
   return ValueError{0, static_cast<float>(whole.most), static_cast<float>(std::sqrt(mean))};
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
 
 namespace gs::qnv::values {
@@ -61,7 +62,9 @@ void GapFilling::measure(const SampleBatch& batch) {
   levels_.front().means.insert(levels_.front().means.end(), last.means.begin(), last.means.end());
 }
 
-void GapFilling::finish() {
+void GapFilling::finish(Ranks& ranks) {
+  if (levels_.empty()) levels_.push_back({low_extent(extent_, 3), {}});
+  levels_.front().means = gather_records(ranks, std::span<const float>(levels_.front().means));
   while (sample_count(levels_.back().n) > 1 &&
          std::ranges::any_of(levels_.back().means, [](float mean) { return mean != mean; })) {
     const Means& finer = levels_.back();

@@ -16,8 +16,8 @@ class GapFilling {
 
   /// Takes kBatchSlices slices, in order.
   void measure(const SampleBatch& batch);
-  /// Completes the means of large boxes.
-  void finish();
+  /// Completes the means of large boxes. Each rank has measured its slabs.
+  void finish(Ranks& ranks);
   /// Replaces the samples of missing voxels of kBatchSlices slices.
   void fill(SampleBatch& batch) const;
 

@@ -1,7 +1,11 @@
 #pragma once
 
 #include "qnv/codecs/shared/encode_options.h"
+#include "qnv/codecs/shared/ranks.h"
+#include "qnv/codecs/values/cube_runs.h"
+#include "qnv/codecs/values/slices/level_slices.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -12,6 +16,18 @@ namespace gs::qnv::values {
 
 /// Number of slices that encoders read at once: a multiple of kCubeEdge and of the cubes of GapFilling.
 inline constexpr std::uint32_t kBatchSlices = 8;
+
+/// Returns the part of a rank in the slabs of a volume.
+[[nodiscard]] inline RankShare slabs_of(const Ranks& ranks, std::uint32_t depth) {
+  return share_of(ranks, depth / kSlabSlices + (depth % kSlabSlices != 0 ? 1 : 0));
+}
+/// Returns the slices of slabs.
+[[nodiscard]] inline SliceWindow slices_of(RankShare slabs, std::uint32_t depth) {
+  const auto slice = [&](std::uint64_t slab) {
+    return static_cast<std::uint32_t>(std::min<std::uint64_t>(depth, slab * kSlabSlices));
+  };
+  return {slice(slabs.first), slice(slabs.end)};
+}
 
 /// Some consecutive slices of a volume.
 struct SampleBatch {

@@ -97,20 +97,21 @@ StoredRange range_of(const VolumeLayout& layout, std::span<const std::byte> stor
 }
 
 // Returns the range of a whole volume, or an error if the source fails or if cancelled.
-std::variant<StoredRange, EncodeError> measured_range(const VolumeSource& source, Progress* progress) {
+std::variant<StoredRange, EncodeError> measured_range(const VolumeSource& source, RankShare slices,
+                                                      Progress* progress) {
   const VolumeLayout& layout = source.layout;
   if (progress) {
     progress->stage = "measuring";
     progress->done = 0;
-    progress->total = layout.dimensions[2];
+    progress->total = slices.size();
   }
   std::vector<std::byte> stored(slice_voxels(layout) * size_of(layout.type));
   StoredRange whole;
-  for (std::uint32_t z = 0; z < layout.dimensions[2]; ++z) {
+  for (auto z = static_cast<std::uint32_t>(slices.first); z < slices.end; ++z) {
     if (is_cancelled(progress)) return EncodeError{"cancelled"};
     if (!source.read(z, stored)) return EncodeError{"slice " + std::to_string(z) + " of the volume cannot be read"};
     whole.add(range_of(layout, stored));
-    if (progress) progress->done = z + 1;
+    if (progress) ++progress->done;
   }
   return whole;
 }
@@ -199,7 +200,8 @@ void convert_slice(const VolumeLayout& layout, const SampledVolume& volume, std:
 }  // namespace
 
 std::variant<SampledVolume, EncodeError> sample_volume(std::span<const VolumeSource> steps,
-                                                       const ValueTolerance& tolerance, Progress* progress) {
+                                                       const ValueTolerance& tolerance, Ranks& ranks,
+                                                       Progress* progress) {
   const VolumeLayout& layout = steps.front().layout;
   if (const auto problem = check(layout)) return EncodeError{problem->message};
   if (voxel_count(layout) > kMostSamples)
@@ -216,9 +218,11 @@ std::variant<SampledVolume, EncodeError> sample_volume(std::span<const VolumeSou
   if (layout.missing && std::isfinite(*layout.missing)) grid.missing = layout.missing;
   StoredRange range;
   for (const VolumeSource& step : steps) {
-    auto measured = measured_range(step, progress);
-    if (auto* problem = std::get_if<EncodeError>(&measured)) return std::move(*problem);
-    range.add(std::get<StoredRange>(measured));
+    const auto measured = measured_range(step, share_of(ranks, layout.dimensions[2]), progress);
+    const auto* const problem = std::get_if<EncodeError>(&measured);
+    if (auto failed = agree(ranks, problem ? std::optional(*problem) : std::nullopt)) return std::move(*failed);
+    for (const StoredRange& part : gather_records(ranks, std::span(&std::get<StoredRange>(measured), 1)))
+      range.add(part);
   }
   auto& [least, most, gaps] = range;
   if (!(least <= most)) return EncodeError{"every voxel of the volume is missing; expected values"};
@@ -267,8 +271,8 @@ std::optional<EncodeError> SampleReader::read(std::uint32_t first, std::uint32_t
   return std::nullopt;
 }
 
-void SampleReader::prepare_gaps() {
-  filling_.finish();
+void SampleReader::prepare_gaps(Ranks& ranks) {
+  filling_.finish(ranks);
   fills_ = true;
 }
 

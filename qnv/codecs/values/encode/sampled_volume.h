@@ -25,11 +25,11 @@ struct SampledVolume {
   double least = 0, most = 0;  // of the stored numbers
 };
 
-/// Reads a volume, or all steps of a time series, once and chooses the integers. Float numbers become multiples of a
-/// power of two that suits the permitted error. Returns an error if a source fails, for volumes without values or with
-/// too many voxels, or if cancelled. Safe for untrusted values.
+/// Reads a volume, or all steps of a time series, once and chooses the integers. Each rank reads a part. Float numbers
+/// become multiples of a power of two that suits the permitted error. Returns an error if a source fails, for volumes
+/// without values or with too many voxels, or if cancelled. Safe for untrusted values.
 [[nodiscard]] std::variant<SampledVolume, EncodeError> sample_volume(std::span<const VolumeSource> steps,
-                                                                     const ValueTolerance& tolerance,
+                                                                     const ValueTolerance& tolerance, Ranks& ranks,
                                                                      Progress* progress);
 
 /// Reader of the samples of a volume, a few slices at a time. `source` and `volume` must outlive it. One thread at a
@@ -44,7 +44,7 @@ class SampleReader {
                                                 SampleBatch& batch);
   /// Takes the slices of a volume with gaps, in order, before they are read to be encoded.
   void measure_gaps(const SampleBatch& batch) { filling_.measure(batch); }
-  void prepare_gaps();
+  void prepare_gaps(Ranks& ranks);
 
  private:
   const VolumeSource& source_;

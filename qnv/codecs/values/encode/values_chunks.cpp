@@ -61,11 +61,14 @@ ValuesChunks::Place ValuesChunks::place_of(std::size_t i) const {
 bool ValuesChunks::read(const Place& place, std::vector<std::byte>& payload) const {
   payload.resize(place.run ? place.run->bytes : place.cluster->bytes);
   if (!store_.read(place.run ? place.run->offset : place.cluster->offset, payload)) return false;
-  if (place.component == 0) return true;
-  const Extent cubes = cube_extent(extent_);
-  const ComponentCounts counts{blocks_.count(), std::uint64_t{cubes[0]} * cubes[1] * cubes[2]};
-  payload = with_component(payload, place.component, place.run ? counts.cubes : counts.blocks);
+  if (place.component > 0) payload = with_component(payload, place.component, numbers_of(place));
   return true;
+}
+
+// Returns the number of cubes or blocks of a component.
+std::uint64_t ValuesChunks::numbers_of(const Place& place) const {
+  const Extent cubes = cube_extent(extent_);
+  return place.run ? std::uint64_t{cubes[0]} * cubes[1] * cubes[2] : blocks_.count();
 }
 
 ChunkPlace ValuesChunks::chunk_place(const Place& place) {
@@ -74,12 +77,28 @@ ChunkPlace ValuesChunks::chunk_place(const Place& place) {
 }
 
 std::optional<OutgoingChunk> ValuesChunks::chunk(std::size_t i) const {
-  OutgoingChunk chunk;
   const Place place = place_of(i);
+  OutgoingChunk chunk = without_payload(place);
+  return read(place, chunk.payload) ? std::optional(std::move(chunk)) : std::nullopt;
+}
+
+std::optional<OutgoingChunk> ValuesChunks::outline(std::size_t i) const {
+  const Place place = place_of(i);
+  OutgoingChunk chunk = without_payload(place);
+  // Both payloads begin with a number, which counts those of the components before, too.
+  const std::uint64_t number = place.run ? place.run->first : place.cluster->block;
+  std::vector<std::byte> own, in_stream;
+  put_number(own, number);
+  put_number(in_stream, number + place.component * numbers_of(place));
+  chunk.payload.resize((place.run ? place.run->bytes : place.cluster->bytes) + in_stream.size() - own.size());
+  return chunk;
+}
+
+OutgoingChunk ValuesChunks::without_payload(const Place& place) const {
+  OutgoingChunk chunk;
   chunk.entry = entries_(chunk_place(place));
   if (place.component > 0) chunk.entry.vectors = 0;
   if (parts_.size() > components_) chunk.entry.parent = static_cast<std::uint32_t>(place.component / components_);
-  if (!read(place, chunk.payload)) return std::nullopt;
   if (place.run) {
     chunk.type = place.gaps ? ChunkType::gaps : ChunkType::remainders;
     // A lost chunk of gaps leaves wrong values where there are none.

@@ -34,6 +34,7 @@ class ValuesChunks final : public ChunkList {
 
   [[nodiscard]] std::size_t size() const override;
   [[nodiscard]] std::optional<OutgoingChunk> chunk(std::size_t i) const override;
+  [[nodiscard]] std::optional<OutgoingChunk> outline(std::size_t i) const override;
   /// Returns nullopt for several components, because places name blocks of one. They count those of all steps.
   [[nodiscard]] std::optional<std::vector<std::vector<std::byte>>> places(
       std::span<const DirectoryEntry> entries) const override;
@@ -49,6 +50,8 @@ class ValuesChunks final : public ChunkList {
   };
   void merge();
   [[nodiscard]] Place place_of(std::size_t i) const;
+  [[nodiscard]] OutgoingChunk without_payload(const Place& place) const;
+  [[nodiscard]] std::uint64_t numbers_of(const Place& place) const;
   [[nodiscard]] bool read(const Place& place, std::vector<std::byte>& payload) const;
 
   /// Returns the place of a chunk, with the number in its step.

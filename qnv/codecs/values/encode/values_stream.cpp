@@ -87,7 +87,7 @@ std::variant<EncodedStream, EncodeError> encode_values(const VolumeSource& sourc
     own.tolerance = plan.components[c].tolerance;
     std::vector<VolumeSource> sources;
     for (const values::ComponentPlan& step : plans) sources.push_back(step.components[c].source);
-    auto made = values::encode_component(sources, header, count == 1, own, store, progress);
+    auto made = values::encode_component(sources, c, header, count == 1, own, store, progress);
     if (auto* problem = std::get_if<EncodeError>(&made)) return std::move(*problem);
     auto& component = std::get<values::EncodedComponent>(made);
     component.grid.components = static_cast<std::uint16_t>(count);

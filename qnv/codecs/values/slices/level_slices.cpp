@@ -20,12 +20,14 @@ unsigned threads_for(std::size_t samples, unsigned threads) {
   return samples < kLittle ? 1 : threads;
 }
 
-LevelSlices::LevelSlices(Extent extent, int levels, int level, bool undo)
+LevelSlices::LevelSlices(Extent extent, int levels, int level, bool undo, SliceWindow window)
     : whole_(low_extent(extent, level - 1)),
       low_(levels == 0 ? whole_ : low_extent(extent, level)),
+      window_{window.first, std::min(window.end, whole_[2])},
       transformed_(levels > 0),
       undo_(undo),
-      order_(transformed_ ? whole_[2] : 1, undo) {}
+      order_(transformed_ ? window_.end - window_.first : 1, undo),
+      first_(window_.first) {}
 
 void LevelSlices::add(std::uint32_t count, bool clear) {
   for (; count > 0; --count) {
@@ -42,18 +44,33 @@ void LevelSlices::add(std::uint32_t count, bool clear) {
 void LevelSlices::lift_depth(unsigned threads) {
   if (!transformed_) return;
   std::vector<LiftOperation> operations;
-  order_.advance(added(), operations);
+  order_.advance(added() - window_.first, operations);
   if (operations.empty()) return;
-  const std::size_t row = whole_[0], rows = whole_[1];
+  const std::size_t row = whole_[0], rows = whole_[1], dropped = first_ - window_.first;
   (void)parallel_for((rows + kRowsAtOnce - 1) / kRowsAtOnce,
                      [&](std::size_t part) {
                        for (std::size_t y = part * kRowsAtOnce; y < std::min(rows, (part + 1) * kRowsAtOnce); ++y)
                          for (const LiftOperation& one : operations)
-                           lift(slices_[one.target - first_].data() + y * row,
-                                slices_[one.before - first_].data() + y * row,
-                                slices_[one.after - first_].data() + y * row, row, one.step, undo_);
+                           lift(slices_[one.target - dropped].data() + y * row,
+                                slices_[one.before - dropped].data() + y * row,
+                                slices_[one.after - dropped].data() + y * row, row, one.step, undo_);
                      },
                      threads_for(operations.size() * row * rows, threads));
+}
+
+void LevelSlices::add_samples(std::span<const SliceRows> slices, unsigned threads) {
+  const std::uint32_t first = added();
+  add(static_cast<std::uint32_t>(slices.size()), false);
+  (void)parallel_for(
+      slices.size(),
+      [&](std::size_t i) {
+        const SliceRows to = slice(first + static_cast<std::uint32_t>(i));
+        if (!transformed_) return copy_slice(slices[i], to, whole_);
+        thread_local SliceScratch scratch;
+        split_slice(slices[i], to, whole_[0], whole_[1], scratch);
+      },
+      threads_for(slices.size() * whole_[0] * whole_[1], threads));
+  lift_depth(threads);
 }
 
 void LevelSlices::drop(std::uint32_t z) {

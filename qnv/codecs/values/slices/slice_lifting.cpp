@@ -24,6 +24,11 @@ void lift_next_row(LiftOrder& order, std::uint32_t y, SliceRows bands, std::uint
 
 }  // namespace
 
+void copy_slice(SliceRows from, SliceRows to, const Extent& size) {
+  for (std::uint32_t y = 0; y < size[1]; ++y)
+    std::memcpy(to.first + y * to.stride, from.first + y * from.stride, size[0] * sizeof(std::int32_t));
+}
+
 LiftOrder::LiftOrder(std::uint32_t samples, bool undo) : samples_(samples), undo_(undo) {
   for (std::uint32_t i = 0; i < 4; ++i) next_[i] = (i % 2 == 0) != undo ? 1 : 0;
 }

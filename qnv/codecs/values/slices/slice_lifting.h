@@ -40,6 +40,9 @@ struct SliceRows {
   std::size_t stride = 0;
 };
 
+/// Copies the rows of a slice.
+void copy_slice(SliceRows from, SliceRows to, const Extent& size);
+
 /// Buffers of a thread.
 struct SliceScratch {
   std::vector<std::int32_t> line;

@@ -3,54 +3,59 @@
 #include "base/parallel.h"
 
 #include <algorithm>
-#include <cstring>
 #include <utility>
 
 namespace gs::qnv::values {
 
 namespace {
 
-void copy_slice(SliceRows from, SliceRows to, const Extent& size) {
-  for (std::uint32_t y = 0; y < size[1]; ++y)
-    std::memcpy(to.first + y * to.stride, from.first + y * from.stride, size[0] * sizeof(std::int32_t));
-}
-
-// Makes a level of either class for each level of the volume.
-template <class Level>
-std::vector<Level> levels_of(Extent extent, bool undo) {
-  const int levels = level_count(extent);
-  const BlockLayout layout(extent, levels);
-  std::vector<Level> all;
-  for (int level = 1; level <= std::max(levels, 1); ++level) {
-    const Extent blocks = layout.blocks_of(level);
-    all.push_back({LevelSlices(extent, levels, level, undo), layout.first_of(level), blocks[0] * blocks[1]});
-  }
-  return all;
+// Extends a window of samples by those that the coefficients of whole rows of blocks depend on. Odd ends round up.
+SliceWindow window_of_rows(SliceWindow samples, std::uint32_t slices, bool transformed) {
+  const std::uint32_t edge = kBlockEdge * (transformed ? 2 : 1), reach = transformed ? kSliceReach : 0;
+  samples.end = std::min(samples.end, slices);
+  const std::uint32_t first = samples.first - std::min(samples.first, reach), end = samples.end + reach;
+  return {first / edge * edge, std::min(slices, (end + edge - 1) / edge * edge)};
 }
 
 }  // namespace
 
 SliceTransform::SliceTransform(Extent extent, unsigned threads, TakeBlocks take)
+    : threads_(threads), take_(std::move(take)) {
+  const int levels = level_count(extent);
+  const BlockLayout layout(extent, levels);
+  for (int level = 1; level <= std::max(levels, 1); ++level) {
+    const Extent blocks = layout.blocks_of(level);
+    levels_.push_back({LevelSlices(extent, levels, level, false), layout.first_of(level), blocks[0] * blocks[1]});
+  }
+}
+
+RowTransform::RowTransform(Extent extent, int level, RankShare rows, unsigned threads, TakeRow take)
     : threads_(threads),
-      transformed_(level_count(extent) > 0),
+      rows_(rows),
+      next_(static_cast<std::uint32_t>(rows.first)),
       take_(std::move(take)),
-      levels_(levels_of<Level>(extent, false)) {}
+      slices_(extent, level_count(extent), level, false, window_of(extent, level, rows)) {}
+
+SliceWindow RowTransform::window_of(Extent extent, int level, RankShare rows) {
+  const LevelSlices all(extent, level_count(extent), level, false);
+  const std::uint32_t reach = all.transformed() ? kSliceReach : 0;
+  const std::uint32_t first = all.slices_of_rows(static_cast<std::uint32_t>(rows.first)),
+                      end = all.slices_of_rows(static_cast<std::uint32_t>(rows.end));
+  return {first - std::min(first, reach), std::min(all.whole()[2], end + reach)};
+}
+
+bool RowTransform::add(std::span<const SliceRows> slices) {
+  slices_.add_samples(slices, threads_);
+  for (; next_ < rows_.end && slices_.slices_of_rows(next_ + 1) <= slices_.finished(); ++next_)
+    if (!take_(next_, slices_)) return false;
+  slices_.drop(slices_.slices_of_rows(next_));
+  return true;
+}
 
 bool SliceTransform::add(std::size_t level, std::span<const SliceRows> slices) {
   Level& one = levels_[level];
-  const Extent& whole = one.slices.whole();
-  const std::uint32_t first = one.slices.added(), before = one.slices.finished();
-  one.slices.add(static_cast<std::uint32_t>(slices.size()), false);
-  (void)parallel_for(
-      slices.size(),
-      [&](std::size_t i) {
-        const SliceRows to = one.slices.slice(first + static_cast<std::uint32_t>(i));
-        if (!transformed_) return copy_slice(slices[i], to, whole);
-        thread_local SliceScratch scratch;
-        split_slice(slices[i], to, whole[0], whole[1], scratch);
-      },
-      threads_for(slices.size() * whole[0] * whole[1], threads_));
-  one.slices.lift_depth(threads_);
+  const std::uint32_t before = one.slices.finished();
+  one.slices.add_samples(slices, threads_);
   if (level + 1 < levels_.size()) {
     std::vector<SliceRows> lows;
     for (std::uint32_t z = before + before % 2; z < one.slices.finished(); z += 2) lows.push_back(one.slices.slice(z));
@@ -64,12 +69,21 @@ bool SliceTransform::add(std::size_t level, std::span<const SliceRows> slices) {
   return true;
 }
 
-SliceRestorer::SliceRestorer(Extent extent, unsigned threads, WriteBlock write)
+SliceRestorer::SliceRestorer(Extent extent, unsigned threads, WriteBlock write, SliceWindow window)
     : threads_(threads),
       transformed_(level_count(extent) > 0),
       write_(std::move(write)),
-      layout_(extent, level_count(extent)),
-      levels_(levels_of<Level>(extent, true)) {}
+      layout_(extent, level_count(extent)) {
+  const int levels = level_count(extent);
+  const std::uint32_t edge = kBlockEdge * (transformed_ ? 2 : 1);
+  for (int level = 1; level <= std::max(levels, 1); ++level) {
+    const Extent blocks = layout_.blocks_of(level);
+    const SliceWindow own = window_of_rows(window, low_extent(extent, level - 1)[2], transformed_);
+    levels_.push_back({LevelSlices(extent, levels, level, true, own), layout_.first_of(level), blocks[0] * blocks[1],
+                       own.first / edge, window.first});
+    window = {own.first / 2, own.end / 2 + own.end % 2};
+  }
+}
 
 void SliceRestorer::decode_row(std::size_t level) {
   Level& one = levels_[level];
@@ -97,7 +111,7 @@ void SliceRestorer::next(std::size_t level, std::span<const SliceRows> slices) {
   const Extent& whole = one.slices.whole();
   const std::uint32_t first = one.given;
   one.given += static_cast<std::uint32_t>(slices.size());
-  while (one.slices.released() < one.given && one.rows < one.slices.block_rows()) decode_row(level);
+  while (one.slices.released() < one.given && one.slices.added() < one.slices.end()) decode_row(level);
   (void)parallel_for(
       slices.size(),
       [&](std::size_t i) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "qnv/codecs/shared/ranks.h"
 #include "qnv/codecs/values/slices/level_slices.h"
 
 #include <cstdint>
@@ -32,18 +33,39 @@ class SliceTransform {
   bool add(std::size_t level, std::span<const SliceRows> slices);
 
   unsigned threads_;
-  bool transformed_;
   TakeBlocks take_;
   std::vector<Level> levels_;  // finest first
 };
 
-/// Inverse transform that gives the slices of a volume in order. Memory as SliceTransform. One thread at a time.
+/// Transform of one level of a volume for some rows of blocks along z. One thread at a time.
+class RowTransform {
+ public:
+  /// Function that takes a complete row of blocks, with the slices of its level. It returns false to stop.
+  using TakeRow = std::function<bool(std::uint32_t row, LevelSlices& slices)>;
+
+  RowTransform(Extent extent, int level, RankShare rows, unsigned threads, TakeRow take);
+
+  /// Returns the samples that these rows depend on: slices of the level below, or of the volume.
+  [[nodiscard]] static SliceWindow window_of(Extent extent, int level, RankShare rows);
+  /// Adds the next slices of the window. Returns false if `take` did.
+  bool add(std::span<const SliceRows> slices);
+
+ private:
+  unsigned threads_;
+  RankShare rows_;
+  std::uint32_t next_;
+  TakeRow take_;
+  LevelSlices slices_;
+};
+
+/// Inverse transform that gives the slices of a volume, or of a window of it, in order. Memory as SliceTransform. One
+/// thread at a time.
 class SliceRestorer {
  public:
   /// Function that writes the coefficients of a block that are not zero. Several threads call it.
   using WriteBlock = std::function<void(std::uint64_t number, const BlockPlace& place, const BlockBands& bands)>;
 
-  SliceRestorer(Extent extent, unsigned threads, WriteBlock write);
+  SliceRestorer(Extent extent, unsigned threads, WriteBlock write, SliceWindow window = {});
 
   /// Gives the next slices of the volume.
   void next(std::span<const SliceRows> slices) { next(0, slices); }
@@ -53,7 +75,7 @@ class SliceRestorer {
     LevelSlices slices;
     std::uint64_t first_block;
     std::uint32_t blocks_in_row;
-    std::uint32_t rows = 0, given = 0;  // rows of blocks that are decoded, slices that were given
+    std::uint32_t rows = 0, given = 0;  // ends of the rows of blocks that are decoded, and of the given slices
   };
   void next(std::size_t level, std::span<const SliceRows> slices);
   void decode_row(std::size_t level);

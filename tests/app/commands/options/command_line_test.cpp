@@ -75,7 +75,8 @@ TEST_CASE("reports wrong usage in one clear line with status 2") {
        {"--size 0x0 a.wrl", "--size big a.wrl", "--nonsense", "check", "print a b", "--orbit 1 a.wrl",
         "--background 2,0,0 a.wrl", "--headlight maybe a.wrl", "--backend metal a.wrl", "--timeout -1 a.wrl",
         "--snapshot out.png a.wrl b.wrl", "--samples 0 a.wrl", "--max-bytes many a.wrl", "serve --host a/b .",
-        "serve --cors example.org .", "serve --proxies 10.0.0.0/33 .", "serve --host '' ."}) {
+        "serve --cors example.org .", "serve --proxies 10.0.0.0/33 .", "serve --host '' .",
+        "serve --connections 0 .", "serve --max-age -1 .", "serve --max-age 10y ."}) {
     const Run result = run(arguments);
     INFO(arguments << "\n" << result.output);
     CHECK(result.status == kUsage);

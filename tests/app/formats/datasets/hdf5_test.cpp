@@ -75,6 +75,8 @@ with h5py.File('a.h5', 'w') as f:
     d.attrs['element_size_um'] = [2.0, 1.0, 0.5]; d.attrs['unit'] = 'mV'
     f['t'] = np.stack([ball * (i + 1) for i in range(6)])
     f['tc'] = np.stack([np.stack([ball * (i + 1), ball * 0 + i]) for i in range(5)])
+    f.create_dataset('grows', data=np.stack([ball, ball * 2, ball * 3]), maxshape=(None, 20, 30, 40))
+    f['pair'] = np.stack([ball, ball * 2])
     f['rgb'] = np.stack([(ball * 2).astype('u1')] * 3, axis=-1)
     f['image'] = ball[10]
     f['named'] = ball.transpose(2, 1, 0); f['named'].attrs['axes'] = 'xyz'
@@ -100,6 +102,8 @@ with h5py.File('a.h5', 'w') as f:
   REQUIRE(both.steps.size() == 5);
   REQUIRE(both.steps[3].components.size() == 2);
   CHECK(facts_of(both.steps[3].components[1]).least == 3);
+  CHECK(DatasetSample(bytes, "a.h5", dataset_choice("grows")).opened().steps.size() == 3);
+  CHECK(DatasetSample(bytes, "a.h5", dataset_choice("pair")).opened().components.size() == 2);
   CHECK(DatasetSample(bytes, "a.h5", dataset_choice("rgb")).opened().layout.colors);
   const qnv::VolumeSource image = DatasetSample(bytes, "a.h5", dataset_choice("image")).opened();
   CHECK(image.layout.dimensions == std::array<std::uint32_t, 3>{40, 30, 1});

@@ -320,12 +320,22 @@ TEST_CASE("zarr: Images of OME-Zarr have levels, axes and labels") {
 
 TEST_CASE("zarr: URLs of containers name the metadata files to try") {
   CHECK(zarr_entries_of_url("https://host/a/image.zarr?key=1").front() == "https://host/a/image.zarr/zarr.json?key=1");
-  CHECK(zarr_entries_of_url("https://host/image.ome.ZARR/").at(1) == "https://host/image.ome.ZARR/.zattrs");
+  CHECK(zarr_entries_of_url("https://host/image.ome.ZARR/").at(1) == "https://host/image.ome.ZARR/.zgroup");
   CHECK(zarr_entries_of_url("https://host/image.zarr/scale0/image").size() == 5);
   CHECK(zarr_entries_of_url("https://host/image.zarr/zarr.json").empty());
   CHECK(zarr_entries_of_url("https://host/zarr/image.wrl").empty());
   CHECK(zarr_title_of("/data/image.zarr/zarr.json") == "image.zarr");
   CHECK(zarr_title_of("/data/brain.nii") == "brain.nii");
+}
+
+TEST_CASE("zarr: opens an array by its own metadata if its attributes name no format") {
+  const std::string folder = (std::filesystem::temp_directory_path() / "ghostspace-zarr-attributes.zarr").string();
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder + "/.zattrs") << "{\"units\": \"K\"}";
+  CHECK(std::filesystem::path(zarr_entry_of_folder(folder)).filename() == ".zattrs");
+  std::ofstream(folder + "/.zarray") << "{\"zarr_format\": 2}";
+  CHECK(std::filesystem::path(zarr_entry_of_folder(folder)).filename() == ".zarray");
+  std::filesystem::remove_all(folder);
 }
 
 /// Smallest number, largest number and mean of an array.

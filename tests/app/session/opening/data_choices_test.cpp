@@ -14,6 +14,7 @@
 #include <functional>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace gs::app::data_choices_test {
 namespace {
@@ -188,6 +189,33 @@ TEST_CASE("follows a series and shows its newest file, unless the user chose ano
   (void)write(3);
   REQUIRE(window.wait_for([&] { return window.session.series().current()->files.size() == 4; }, 40));
   CHECK(size() == Approx(1.0));
+}
+
+TEST_CASE("follows a series in JSON and shows its newest step, with a time for each") {
+  const ScratchFolder folder;
+  std::string names;
+  const auto add = [&](int number) {
+    const std::string name = "s" + std::to_string(number) + ".stl", size = std::to_string(1 + 0.1 * number);
+    (void)folder.write(name, "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex " + size +
+                                 " 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n");
+    names += (number > 0 ? "," : "") + std::string(R"({"name": ")") + name + R"(", "time": )" +
+             std::to_string(number * 0.5) + "}";
+    return folder.write("run.series", R"({"file-series-version": "1.0", "files": [)" + names + "]}");
+  };
+  const std::string path = add(0);
+  (void)add(1);
+  DataSession window({path}, true);
+  const auto size = [&] { return window.session.view()->list->bounds.upper.x; };
+  REQUIRE(window.wait_for([&] { return size() == Approx(1.1); }, 40));
+  (void)window.wait_for([] { return false; }, 0.3);
+  (void)add(2);
+  REQUIRE(window.wait_for([&] { return size() == Approx(1.2); }, 40));
+  REQUIRE(window.session.series().current());
+  CHECK(window.session.series().current()->times == std::vector<double>{0, 0.5, 1});
+  CHECK(window.session.series().current()->shown == 2);
+  window.session.follower().follow_newest(path, false);
+  window.session.series().show(0);
+  CHECK(window.wait_for([&] { return size() == Approx(1.0); }, 40));
 }
 
 TEST_CASE("tells versions of files, folders and series apart") {

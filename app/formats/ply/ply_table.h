@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/formats/common/ply_header.h"
+#include "app/formats/ply/ply_header.h"
 #include "base/budget.h"
 
 #include <cstddef>
@@ -17,10 +17,10 @@ namespace gs::app {
 struct PlyTable {
   PlyHeader header;
   PlyElement element;
-  std::size_t rows = 0;  // complete rows that the file has, at most element.count
+  std::size_t rows = 0;             // complete rows that the file has, at most element.count
   std::span<const std::byte> data;  // rows, if the file is binary
-  std::vector<double> values;  // all values row by row, if the file is ASCII
-  Share share;  // memory for `values`
+  std::vector<double> values;       // all values row by row, if the file is ASCII
+  Share share;                      // memory for `values`
 
   [[nodiscard]] bool has(std::string_view property) const;
   /// Returns the values of one property in all rows, as floats. Empty if the property is missing or a list.

@@ -1,4 +1,4 @@
-#include "app/formats/common/ply_header.h"
+#include "app/formats/ply/ply_header.h"
 
 #include "base/text.h"
 

@@ -1,6 +1,6 @@
-#include "app/formats/common/ply_table.h"
+#include "app/formats/ply/ply_table.h"
 
-#include "app/formats/common/ply_source.h"
+#include "app/formats/ply/ply_source.h"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "app/formats/common/ply_header.h"
 #include "app/formats/common/text_cursor.h"
+#include "app/formats/ply/ply_header.h"
 #include "base/nth_type.h"
 
 #include <array>

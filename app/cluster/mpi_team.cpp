@@ -1,0 +1,273 @@
+#include "app/cluster/mpi_team.h"
+
+#include "app/base/exit_status.h"
+#include "net/files/part_files.h"
+
+#include <mpi.h>
+
+#include <algorithm>
+#include <array>
+#include <climits>
+#include <csignal>
+#include <cstring>
+#include <numeric>
+#include <thread>
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace gs::app {
+namespace {
+
+/// Output through MPI-IO. Each rank collects its bytes, and all of them write one piece at a time together.
+class MpiFile final : public TeamFile {
+ public:
+  MpiFile(MPI_File file, bool has_front, std::uint64_t& written)
+      : file_(file), has_front_(has_front), written_(written) {
+    piece_.reserve(kPieceBytes);
+  }
+  MpiFile(const MpiFile&) = delete;
+  MpiFile& operator=(const MpiFile&) = delete;
+  ~MpiFile() override {
+    if (file_ != MPI_FILE_NULL) MPI_File_close(&file_);
+  }
+
+  bool write(std::span<const std::byte> bytes) override {
+    while (!bytes.empty() && !failed_) {
+      const auto part = bytes.first(std::min(bytes.size(), kPieceBytes - piece_.size()));
+      if (piece_.empty()) piece_at_ = at_;
+      piece_.insert(piece_.end(), part.begin(), part.end());
+      at_ += part.size();
+      bytes = bytes.subspan(part.size());
+      if (piece_.size() == kPieceBytes) (void)write_piece();
+    }
+    return !failed_;
+  }
+  bool skip(std::uint64_t bytes) override {
+    at_ += bytes;
+    return true;
+  }
+  bool rewrite_front(std::span<const std::byte> bytes) override {
+    front_.assign(bytes.begin(), bytes.end());
+    return has_front_;
+  }
+  std::optional<std::string> finish() override {
+    while (write_piece()) {
+    }
+    // The front was in the first piece, which is written now.
+    if (!front_.empty() && !failed_) put(0, front_);
+    int failed = failed_ ? 1 : 0, any = 0;
+    MPI_Allreduce(&failed, &any, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
+    const bool closed = MPI_File_sync(file_) == MPI_SUCCESS && MPI_File_close(&file_) == MPI_SUCCESS;
+    file_ = MPI_FILE_NULL;
+    if (any == 0 && closed) return std::nullopt;
+    return "cannot write the stream: " + (reason_.empty() ? std::string("another rank failed") : reason_);
+  }
+
+ private:
+  static constexpr std::size_t kPieceBytes = std::size_t{8} << 20;
+
+  // Writes the collected bytes together with the other ranks, which may have none. Returns false if no rank has any.
+  bool write_piece() {
+    int own = piece_.empty() ? 0 : 1, any = 0;
+    MPI_Allreduce(&own, &any, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
+    if (any == 0) return false;
+    MPI_Status status;
+    check(MPI_File_write_at_all(file_, static_cast<MPI_Offset>(piece_at_), piece_.data(),
+                                static_cast<int>(piece_.size()), MPI_BYTE, &status),
+          status, piece_.size());
+    piece_.clear();
+    return true;
+  }
+  void put(std::uint64_t at, std::span<const std::byte> bytes) {
+    MPI_Status status;
+    check(MPI_File_write_at(file_, static_cast<MPI_Offset>(at), bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE,
+                            &status),
+          status, bytes.size());
+  }
+  void check(int result, const MPI_Status& status, std::size_t bytes) {
+    int got = 0;
+    if (result == MPI_SUCCESS) MPI_Get_count(&status, MPI_BYTE, &got);
+    written_ += static_cast<std::uint64_t>(got);
+    if (result == MPI_SUCCESS && static_cast<std::size_t>(got) == bytes) return;
+    failed_ = true;
+    std::array<char, MPI_MAX_ERROR_STRING> text{};
+    int length = 0;
+    if (result != MPI_SUCCESS) MPI_Error_string(result, text.data(), &length);
+    reason_ = length > 0 ? std::string(text.data(), static_cast<std::size_t>(length)) : "the disk is full";
+  }
+
+  MPI_File file_;
+  bool has_front_;
+  std::uint64_t& written_;
+  std::uint64_t at_ = 0, piece_at_ = 0;
+  std::vector<std::byte> piece_, front_;
+  bool failed_ = false;
+  std::string reason_;
+};
+
+// Data of the signal handler: a file that the first process that ends creates, and where it prints.
+std::array<char, 4096> end_mark{};
+int end_output = -1;
+bool end_leads = false;
+volatile std::sig_atomic_t end_agreed = 0;  // all processes end, after rank 0 has printed the reason
+
+// MPI ends the other processes by SIGTERM if one dies, as batch systems do. One of them prints a line.
+extern "C" void end_process(int) {
+  constexpr char kLine[] =
+      "ghostspace-mpi: error: a process died, or the system ended the run; the output was not written, --resume "
+      "continues\n";
+  if (end_agreed != 0) ::_exit(kFailed);
+  const bool first = end_mark[0] == '\0' ? end_leads : ::open(end_mark.data(), O_CREAT | O_EXCL | O_CLOEXEC, 0666) >= 0;
+  if (first) (void)!::write(end_output, kLine, sizeof kLine - 1);
+  ::_exit(kFailed);
+}
+
+}  // namespace
+
+MpiRanks::MpiRanks() {
+  int rank = 0, count = 1;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  MPI_Comm_size(MPI_COMM_WORLD, &count);
+  rank_ = static_cast<std::uint32_t>(rank);
+  count_ = static_cast<std::uint32_t>(count);
+}
+
+std::vector<std::byte> MpiRanks::gather(std::span<const std::byte> own) {
+  std::uint64_t size = own.size();
+  std::vector<std::uint64_t> sizes(count_);
+  MPI_Allgather(&size, 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, MPI_COMM_WORLD);
+  const std::uint64_t all = std::accumulate(sizes.begin(), sizes.end(), std::uint64_t{0});
+  std::vector<std::byte> bytes(static_cast<std::size_t>(all));
+  ++messages_;
+  sent_ += sizeof size + size;
+  largest_ = std::max(largest_, size);
+  if (all == 0) return bytes;
+  if (all <= INT_MAX) {
+    std::vector<int> counts(count_), places(count_);
+    for (std::uint32_t i = 0, at = 0; i < count_; at += static_cast<std::uint32_t>(sizes[i++])) {
+      counts[i] = static_cast<int>(sizes[i]);
+      places[i] = static_cast<int>(at);
+    }
+    MPI_Allgatherv(own.data(), static_cast<int>(size), MPI_BYTE, bytes.data(), counts.data(), places.data(), MPI_BYTE,
+                   MPI_COMM_WORLD);
+    return bytes;
+  }
+  // MPI counts with int. So each rank sends pieces to all others.
+  std::uint64_t at = 0;
+  for (std::uint32_t from = 0; from < count_; ++from)
+    for (std::uint64_t done = 0; done < sizes[from];) {
+      const int part = static_cast<int>(std::min<std::uint64_t>(sizes[from] - done, INT_MAX));
+      std::byte* const to = bytes.data() + at + done;
+      if (from == rank_) std::memcpy(to, own.data() + done, static_cast<std::size_t>(part));
+      MPI_Bcast(to, part, MPI_BYTE, static_cast<int>(from), MPI_COMM_WORLD);
+      done += static_cast<std::uint64_t>(part);
+      if (done == sizes[from]) at += done;
+    }
+  return bytes;
+}
+
+MpiTeam::Start::Start(int* count, char*** arguments) {
+  int provided = 0;
+  // Only the thread that started calls MPI.
+  MPI_Init_thread(count, arguments, MPI_THREAD_FUNNELED, &provided);
+}
+
+MpiTeam::MpiTeam(int* count, char*** arguments) : start_(count, arguments) {
+  for (int i = 1; i < *count; ++i)
+    if (std::strcmp((*arguments)[i], "--resume") != 0) task_ += std::string(i > 1 ? "\n" : "") + (*arguments)[i];
+  MPI_Comm machine = MPI_COMM_NULL;
+  int here = 1;
+  MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+  MPI_Comm_size(machine, &here);
+  MPI_Comm_free(&machine);
+  threads_ = std::max(1u, std::thread::hardware_concurrency() / static_cast<unsigned>(here));
+  if (ranks_.rank() != 0) hide_output();
+  end_leads = ranks_.rank() == 0;
+  end_output = shown_ >= 0 ? shown_ : STDERR_FILENO;
+  struct sigaction action {};
+  action.sa_handler = end_process;
+  ::sigaction(SIGTERM, &action, nullptr);
+}
+
+// The errors of all ranks would otherwise appear several times, or in the middle of each other.
+void MpiTeam::hide_output() {
+  shown_ = ::fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 3);
+  errors_ = ::memfd_create("errors", MFD_CLOEXEC);
+  const int nothing = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+  if (nothing >= 0) (void)::dup2(nothing, STDOUT_FILENO);
+  if (errors_ >= 0) (void)::dup2(errors_, STDERR_FILENO);
+  if (nothing >= 0) (void)::close(nothing);
+}
+
+void MpiTeam::end_together() {
+  together_ = true;
+  end_agreed = 1;
+}
+
+std::string MpiTeam::hidden_errors() const {
+  if (errors_ < 0) return {};
+  std::string text(1000, '\0');
+  const ssize_t got = ::pread(errors_, text.data(), text.size(), 0);
+  text.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  const std::size_t line = text.rfind('\n');
+  if (line != std::string::npos) text.erase(0, line + 1);
+  constexpr std::string_view kProgram = "ghostspace: error: ";
+  return text.starts_with(kProgram) ? text.substr(kProgram.size()) : text;
+}
+
+std::unique_ptr<TeamFile> MpiTeam::create(const std::string& path) {
+  const std::string mark = net::part_end_mark(path);
+  if (ranks_.rank() == 0) ::unlink(mark.c_str());
+  MPI_File file = MPI_FILE_NULL;
+  const int result =
+      MPI_File_open(MPI_COMM_WORLD, path.c_str(), MPI_MODE_CREATE | MPI_MODE_WRONLY, MPI_INFO_NULL, &file);
+  if (result != MPI_SUCCESS) return nullptr;
+  MPI_File_set_size(file, 0);  // an earlier run may have left one
+  if (mark.size() < end_mark.size()) std::ranges::copy(mark, end_mark.begin());
+  return std::make_unique<MpiFile>(file, ranks_.rank() == 0, written_);
+}
+
+JsonValue MpiTeam::statistics() {
+  struct rusage usage {};
+  ::getrusage(RUSAGE_SELF, &usage);
+  const auto milliseconds = [](const timeval& time) {
+    return static_cast<std::uint64_t>(time.tv_sec) * 1000 + static_cast<std::uint64_t>(time.tv_usec) / 1000;
+  };
+  const std::array<std::uint64_t, 6> own{ranks_.messages(),
+                                         ranks_.sent_bytes(),
+                                         ranks_.largest_message(),
+                                         written_,
+                                         static_cast<std::uint64_t>(usage.ru_maxrss) * 1024,
+                                         milliseconds(usage.ru_utime) + milliseconds(usage.ru_stime)};
+  const auto all = qnv::gather_records<std::uint64_t>(ranks_, own);
+  JsonValue list = JsonValue::list();
+  for (std::size_t i = 0; i + own.size() <= all.size(); i += own.size())
+    list.add(JsonValue::named({{"messages", all[i]},
+                               {"sent_bytes", all[i + 1]},
+                               {"largest_message", all[i + 2]},
+                               {"written_bytes", all[i + 3]},
+                               {"peak_memory", all[i + 4]},
+                               {"cpu_seconds", static_cast<double>(all[i + 5]) / 1000}}));
+  return list;
+}
+
+MpiTeam::~MpiTeam() {
+  int finalized = 0;
+  MPI_Finalized(&finalized);
+  if (finalized != 0) return;
+  if (!together_ && ranks_.count() > 1) {
+    if (ranks_.rank() != 0 && shown_ >= 0) {
+      const std::string line =
+          "ghostspace-mpi: error: rank " + std::to_string(ranks_.rank()) + ": " + hidden_errors() + "\n";
+      (void)!::write(shown_, line.data(), line.size());
+    }
+    MPI_Abort(MPI_COMM_WORLD, kFailed);
+  }
+  MPI_Finalize();
+}
+
+}  // namespace gs::app

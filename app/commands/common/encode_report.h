@@ -1,0 +1,38 @@
+#pragma once
+
+#include "app/commands/common/open_input.h"
+#include "app/commands/common/option_groups.h"
+#include "app/commands/common/progress_bar.h"
+#include "base/json_value.h"
+#include "qnv/codecs/shared/encode_options.h"
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gs::app {
+
+/// Inputs of `encode`: the files, which are the steps of a time series if there are several, and their content.
+struct EncodeInput {
+  std::vector<std::string> steps;
+  OpenedInput input;
+};
+
+/// Opens the inputs. First checks whether the output may be written, because the work may be long. Prints errors.
+[[nodiscard]] std::optional<EncodeInput> open_encode_input(const ConversionOptions& options, ProgressBar& progress);
+
+/// Returns an error if a stream is too large for the options.
+[[nodiscard]] std::optional<std::string> check_size(const ConversionOptions& options, const qnv::EncodedStream& stream);
+
+/// Form of the report of a stream.
+struct EncodeReport {
+  bool json = false;
+  std::chrono::steady_clock::time_point start;  // of the command
+  const JsonValue* ranks = nullptr;             // statistics of several processes, or null
+};
+/// Reports a stream that was written, and the properties of the input that it lost.
+void report_encoding(const ConversionOptions& options, const EncodeInput& opened, const qnv::EncodedStream& stream,
+                     const EncodeReport& report);
+
+}  // namespace gs::app

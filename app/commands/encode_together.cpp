@@ -1,0 +1,164 @@
+#include "app/commands/encode.h"
+
+#include "app/base/console.h"
+#include "app/commands/common/encode_report.h"
+#include "app/commands/common/shared.h"
+#include "app/commands/common/vectors_of.h"
+#include "app/encode/encode_team.h"
+#include "app/encode/part_store.h"
+#include "net/files/file.h"
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <utility>
+#include <variant>
+
+namespace gs::app {
+
+namespace {
+
+using qnv::EncodeError;
+
+/// Status of an error that was printed, among the messages on which the processes agree.
+constexpr char kPrinted[] = "\x01";
+
+// Returns a text that changes with the task and its input files.
+std::string key_of(const EncodeTeam& team, const std::vector<std::string>& files) {
+  std::string key = "ghostspace " GHOSTSPACE_VERSION "\n" + team.task();
+  for (const std::string& file : files) {
+    std::error_code error;
+    const auto size = std::filesystem::file_size(file, error);
+    const auto time = std::filesystem::last_write_time(file, error).time_since_epoch().count();
+    key += "\n" + std::to_string(size) + " " + std::to_string(time);
+  }
+  return key;
+}
+
+/// One `encode` command of several processes.
+class TogetherEncoding {
+ public:
+  TogetherEncoding(const EncodeCommand& options, EncodeTeam& team)
+      : options_(options), team_(team), ranks_(team.ranks()), folder_(options.files.back() + ".parts") {}
+
+  int run();
+
+ private:
+  [[nodiscard]] bool leads() const { return ranks_.rank() == 0; }
+  /// Returns the status of all processes: that of the first one with an error, which rank 0 prints.
+  bool agreed(const std::optional<std::string>& own);
+  bool open();
+  bool prepare();
+  bool encode();
+  [[nodiscard]] std::optional<std::string> exceeds_memory() const;
+  /// Opens the input in this process. Returns an error.
+  std::optional<std::string> open_here();
+
+  const EncodeCommand& options_;
+  EncodeTeam& team_;
+  qnv::Ranks& ranks_;
+  std::string folder_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  ProgressBar progress_{true};
+  std::optional<EncodeInput> opened_;
+  bool shared_ = false;  // all processes encode parts; otherwise rank 0 encodes
+  std::unique_ptr<PartStore> store_;
+  std::unique_ptr<TeamFile> file_;
+  qnv::EncodedStream stream_;
+};
+
+bool TogetherEncoding::agreed(const std::optional<std::string>& own) {
+  const auto failed = qnv::agree(ranks_, own ? std::optional(EncodeError{*own}) : std::nullopt);
+  if (failed && leads() && failed->message != kPrinted) (void)fail(failed->message);
+  return !failed;
+}
+
+std::optional<std::string> TogetherEncoding::open_here() {
+  opened_ = open_encode_input(options_, progress_);
+  if (opened_) return std::nullopt;
+  if (leads()) return kPrinted;
+  return "rank " + std::to_string(ranks_.rank()) + ": " + team_.hidden_errors();
+}
+
+// Rank 0 opens the input first. The others need it only if they encode parts of it.
+bool TogetherEncoding::open() {
+  std::optional<std::string> problem;
+  if (leads()) problem = open_here();
+  if (!agreed(problem)) return false;
+  const std::byte own{leads() && encodes_values(options_, opened_->input)};
+  const std::vector<std::byte> all = ranks_.gather(std::span(&own, 1));
+  shared_ = all.front() != std::byte{0};
+  problem = shared_ && !leads() ? open_here() : std::nullopt;
+  if (shared_ && !problem) problem = exceeds_memory();
+  return agreed(problem);
+}
+
+// Returns an error if the slices that a rank holds exceed --memory.
+std::optional<std::string> TogetherEncoding::exceeds_memory() const {
+  constexpr std::uint64_t kSlices = 64;  // of 4 bytes per voxel
+  const auto& dimensions = std::get<qnv::VolumeSource>(opened_->input.content).layout.dimensions;
+  const std::uint64_t needed = kSlices * 4 * dimensions[0] * dimensions[1];
+  if (needed <= options_.limits.memory) return std::nullopt;
+  return options_.files.front() + ": slices of " + std::to_string(dimensions[0]) + " x " +
+         std::to_string(dimensions[1]) + " voxels need " + std::to_string(needed >> 20) +
+         " MiB in each process; raise --memory";
+}
+
+// Creates the files of all processes.
+bool TogetherEncoding::prepare() {
+  std::optional<std::string> problem;
+  if (leads())
+    if (auto failed = net::prepare_part_folder(folder_, key_of(team_, opened_->steps), options_.resume))
+      problem = std::move(failed->message);
+  if (!agreed(problem)) return false;
+  const std::uint32_t free = leads() ? net::free_part_number(folder_) : 0;
+  const std::uint32_t first = qnv::gather_records<std::uint32_t>(ranks_, std::span(&free, 1)).front();
+  auto files = net::PartFiles::create(folder_, first + ranks_.rank());
+  if (auto* failed = std::get_if<net::FileError>(&files))
+    problem = "rank " + std::to_string(ranks_.rank()) + ": " + failed->message;
+  else
+    store_ = std::make_unique<PartStore>(std::move(std::get<net::PartFiles>(files)));
+  if (!agreed(problem)) return false;
+  file_ = team_.create(net::part_stream(folder_));
+  if (!file_) problem = "rank " + std::to_string(ranks_.rank()) + ": cannot create " + net::part_stream(folder_);
+  return agreed(problem);
+}
+
+bool TogetherEncoding::encode() {
+  std::optional<std::string> problem;
+  if (shared_ || leads()) {
+    EncodeOutput output{store_.get(), file_.get(), nullptr, team_.threads()};
+    if (shared_) output.ranks = &ranks_;
+    auto encoded = encode_input(options_, opened_->input, progress_, output);
+    if (auto* failed = std::get_if<EncodeError>(&encoded))
+      problem = options_.files.front() + ": " + failed->message;
+    else
+      stream_ = std::move(std::get<qnv::EncodedStream>(encoded));
+  }
+  if (!problem && leads() && stream_.written == 0 && !file_->write(stream_.bytes)) problem = "cannot write the stream";
+  if (!problem) problem = check_size(options_, stream_);
+  const auto unwritten = file_->finish();
+  if (!problem && unwritten) problem = unwritten;
+  file_.reset();
+  return agreed(problem);
+}
+
+int TogetherEncoding::run() {
+  const bool encoded = open() && prepare() && encode();
+  std::optional<std::string> problem;
+  if (encoded && leads())
+    if (auto failed = net::publish_part_stream(folder_, options_.files.back())) problem = std::move(failed->message);
+  const bool written = encoded && agreed(problem);
+  const JsonValue statistics = team_.statistics();
+  progress_.hide();
+  if (written && leads()) report_encoding(options_, *opened_, stream_, {options_.json, start_, &statistics});
+  team_.end_together();
+  return written ? kDone : encoded ? kNotWritten : kFailed;
+}
+
+}  // namespace
+
+int encode_together(const EncodeCommand& options, EncodeTeam& team) { return TogetherEncoding(options, team).run(); }
+
+}  // namespace gs::app

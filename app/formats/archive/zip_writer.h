@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace gs::app {
+
+/// Writer of a ZIP archive of stored, uncompressed files, without times, so that equal contents give equal bytes.
+class ZipWriter {
+ public:
+  /// Appends a file. The archive must stay below 4 GiB, and have less than 65,535 files.
+  void add(const std::string& name, std::span<const std::byte> bytes);
+  /// Returns the archive with its directory. Call once, after all files.
+  [[nodiscard]] std::vector<std::byte> take();
+
+ private:
+  std::vector<std::byte> archive_, directory_;
+  std::size_t files_ = 0;
+};
+
+}  // namespace gs::app

@@ -1,0 +1,115 @@
+#pragma once
+
+#include "app/insitu/grid_parts.h"
+#include "app/insitu/parameters.h"
+#include "app/insitu/particle_parts.h"
+#include "app/insitu/publisher.h"
+#include "app/insitu/ranks.h"
+#include "app/insitu/step_pace.h"
+#include "app/insitu/step_plan.h"
+#include "app/insitu/step_streams.h"
+#include "app/insitu/surface_parts.h"
+#include "base/noncopyable.h"
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <variant>
+#include <vector>
+
+namespace gs::app::insitu {
+
+/// Options of a session, as C++ values.
+struct SessionOptions {
+  std::string title = "simulation", folder, bind = "127.0.0.1", token_file, field;
+  bool serve = false, background = false, thin = false;
+  std::uint16_t port = 0;
+  double error = 0, relative_error = 0.001, max_share = 0;
+  std::int64_t every = 1;
+  std::uint64_t max_memory = std::uint64_t{256} << 20;
+  unsigned threads = 1;
+  std::function<void(const std::string& message)> log;
+};
+/// Reads the options of a caller. Returns the problem if they are invalid.
+[[nodiscard]] std::variant<SessionOptions, std::string> session_options(const gs_insitu_options& options);
+
+/// Session of one rank (gs_insitu). One thread; on rank 0, a thread of its own may encode.
+class InSituSession : NonCopyable {
+ public:
+  /// Begins. Collective. Returns the problem, on all ranks, if rank 0 cannot write or serve.
+  [[nodiscard]] static std::variant<std::unique_ptr<InSituSession>, std::string> open(
+      const SessionOptions& options, const gs_insitu_communicator* communicator);
+  ~InSituSession();
+
+  [[nodiscard]] int add_parameter(const gs_insitu_parameter& parameter);
+  [[nodiscard]] double value(const char* name) const;
+  [[nodiscard]] int begin_step(std::int64_t step, double time);
+  [[nodiscard]] int pass_block(const gs_insitu_block& block);
+  [[nodiscard]] int pass_cells(const gs_insitu_cells& cells);
+  [[nodiscard]] int pass_particles(const gs_insitu_particles& particles);
+  [[nodiscard]] int end_step();
+  [[nodiscard]] int flush();
+  [[nodiscard]] int port() const { return publisher_ ? publisher_->port() : 0; }
+  [[nodiscard]] const std::string& error() const { return error_; }
+  [[nodiscard]] gs_insitu_statistics statistics() const;
+  /// Notes an error, and returns `result`.
+  int fail(int result, std::string message);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  /// Adds the wall time of its scope to the library's own time.
+  class OwnTime;
+
+  InSituSession(const SessionOptions& options, const gs_insitu_communicator* communicator)
+      : options_(options), ranks_(communicator), pace_(options.max_share, options.every) {}
+  [[nodiscard]] double now() const;
+  [[nodiscard]] double own() const;
+  [[nodiscard]] RankFacts own_facts() const;
+  [[nodiscard]] bool gather_step(const StepPlan& plan, StepData& data);
+  void choose_fields(std::span<const RankFacts> all);
+  void encode_and_publish(const StepData& data, Clock::time_point ended);
+  void start_background(StepData data, Clock::time_point ended);
+  void wait_for_background();
+  void clear_step();
+  void log_messages();
+
+  const SessionOptions options_;
+  Ranks ranks_;
+  StepPace pace_;
+  Parameters parameters_;
+  std::unique_ptr<Publisher> publisher_;  // rank 0
+  std::string error_;
+  const Clock::time_point began_ = Clock::now();
+
+  std::int64_t steps_ = 0, next_contact_ = 0;  // steps that began, and the first one at which the ranks agree again
+  bool open_step_ = false;
+  std::int64_t step_ = 0;
+  double time_ = 0;
+  std::vector<BlockView> blocks_;
+  std::vector<CellsView> cells_;
+  std::vector<ParticlesView> particles_;
+  std::uint64_t taken_ = 0, peak_bytes_ = 0;
+  double slowest_own_ = 0;  // own time of the slowest rank, as far as rank 0 knows
+  double step_began_ = 0;   // own time when the step began
+
+  /// Results that the background thread shares.
+  struct Shared {
+    mutable std::mutex mutex;
+    double own_seconds = 0, last_seconds = 0, cost = 0, max_error = 0;
+    std::uint64_t cost_bytes = 0;
+    bool cost_is_new = false;
+    std::uint64_t stream_bytes = 0;
+    std::uint32_t thinning = 1;
+    std::vector<std::string> messages;
+    bool busy = false;
+  } shared_;
+  std::thread background_;
+};
+
+}  // namespace gs::app::insitu

@@ -1,0 +1,239 @@
+#include "app/insitu/publisher.h"
+
+#include "app/insitu/value_colors.h"
+#include "net/control/control_token.h"
+#include "net/files/file.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <span>
+#include <utility>
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace gs::app::insitu {
+namespace {
+
+// Streams that a temporary folder keeps at least, and bytes from which it drops older ones. Viewers read them for a
+// while after a newer step appeared.
+constexpr std::size_t kMinKeptSteps = 3;
+constexpr std::uint64_t kMaxKeptBytes = std::uint64_t{64} << 20;
+// A viewer that asked so long ago may still be there.
+constexpr std::chrono::seconds kViewerStays{45};
+constexpr std::string_view kTemporaryPrefix = "ghostspace-insitu-";
+
+std::int64_t insitu_now() { return std::chrono::steady_clock::now().time_since_epoch().count(); }
+
+// Returns a text as a VRML97 string without quotes.
+std::string vrml_text(std::string_view text) {
+  std::string quoted;
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    if (static_cast<unsigned char>(c) >= ' ') quoted += c;
+  }
+  return quoted;
+}
+
+// Returns the folder for streams that are not to stay: in memory if possible.
+std::string temporary_parent() {
+  constexpr const char* kMemory = "/dev/shm";
+  if (::access(kMemory, W_OK | X_OK) == 0) return kMemory;
+  if (const char* chosen = std::getenv("TMPDIR"); chosen && chosen[0] == '/') return chosen;
+  return "/tmp";
+}
+
+net::ServedType insitu_type_of(const std::string& name) {
+  if (name.ends_with(".qnv")) return {"model/x-qnv", false};
+  if (name.ends_with(".wrl")) return {"model/vrml", false};
+  return {};
+}
+
+}  // namespace
+
+std::string stream_file_name(const StepStream& stream, std::int64_t step) {
+  std::string name = stream.field.empty() ? name_of(stream.kind) : stream.field;
+  for (char& c : name)
+    if (!((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_')) c = '_';
+  if (stream.kind != StreamKind::volume && !stream.field.empty()) name += std::string("-") + name_of(stream.kind);
+  char number[32];
+  std::snprintf(number, sizeof number, ".%06lld.qnv", static_cast<long long>(step));
+  return name + number;
+}
+
+std::string world_of_streams(const std::string& title, std::int64_t step, double time,
+                             const std::vector<StepStream>& streams, const std::vector<std::string>& files) {
+  std::string world = "#VRML V2.0 utf8\nWorldInfo {\n  title \"" + vrml_text(title) + ", step " + std::to_string(step) +
+                      ", time " + number_text(time) + "\"\n  info [ \"live data: " + kLiveJson + "\" ]\n}\n";
+  // Several volumes would hide each other, so the world shows the first one.
+  bool volume = false;
+  for (std::size_t i = 0; i < streams.size(); ++i) {
+    const bool is_volume = streams[i].kind == StreamKind::volume;
+    if (is_volume && volume) continue;
+    volume = volume || is_volume;
+    world += "Shape {\n  appearance Appearance { material Material {} }\n  geometry QNV { url \"" + files[i] + "\"" +
+             (is_volume ? " profile \"VOLUME\"" : "") + " }\n}\n";
+  }
+  return world;
+}
+
+std::variant<std::unique_ptr<Publisher>, std::string> Publisher::start(PublisherOptions options,
+                                                                       Parameters& parameters) {
+  std::unique_ptr<Publisher> made(new Publisher(std::move(options), parameters));
+  if (made->options_.folder.empty()) {
+    const std::string parent = temporary_parent();
+    (void)net::remove_abandoned_folders(parent, kTemporaryPrefix);  // of simulations that were killed
+    auto folder = net::LockedFolder::make(parent, kTemporaryPrefix);
+    if (auto* problem = std::get_if<std::string>(&folder)) return std::move(*problem);
+    made->temporary_ = std::move(std::get<net::LockedFolder>(folder));
+    made->folder_ = made->temporary_.path() + '/';
+  } else {
+    std::error_code error;
+    std::filesystem::create_directories(made->options_.folder, error);
+    if (!std::filesystem::is_directory(made->options_.folder, error))
+      return made->options_.folder + ": the folder cannot be created; expected a writable place";
+    made->folder_ = made->options_.folder + '/';
+  }
+  made->world_ = world_of_streams(made->options_.title, 0, 0, {}, {});
+  made->about_ = JsonValue::named({{"version", 1}, {"title", made->options_.title}});
+  if (made->options_.serve)
+    if (auto problem = made->start_server()) return std::move(*problem);
+  return made;
+}
+
+Publisher::~Publisher() {
+  server_.reset();
+  if (!token_file_.empty()) (void)::unlink(token_file_.c_str());
+}
+
+std::optional<std::string> Publisher::start_server() {
+  net::HttpServerOptions http;
+  http.folder = folder_;
+  http.bind = options_.bind;
+  http.port = options_.port;
+  http.type_of = [this](const std::string& name) {
+    note_file(name);
+    return insitu_type_of(name);
+  };
+  http.list = [this](const net::FolderListing&, const net::FolderRequest&) {
+    note_viewer();
+    const std::lock_guard lock(mutex_);
+    return net::FolderPage{"model/vrml", world_};
+  };
+  http.missing = [this](const std::string& name, const net::FolderRequest&) -> std::optional<net::FolderPage> {
+    if (name != kLiveJson) return std::nullopt;
+    note_viewer();
+    return net::FolderPage{"application/json", json()};
+  };
+  http.post = [this](const net::PostRequest& request) { return post(request); };
+  token_ = net::make_control_token();
+  auto started = net::HttpServer::start(std::move(http));
+  if (auto* problem = std::get_if<net::HttpServerError>(&started)) return std::move(problem->message);
+  server_ = std::move(std::get<std::unique_ptr<net::HttpServer>>(started));
+  return write_token(server_->port());
+}
+
+std::optional<std::string> Publisher::write_token(std::uint16_t port) {
+  const bool chosen = !options_.token_file.empty();
+  const std::string path = chosen ? options_.token_file : net::usual_token_file(port);
+  if (path.empty()) return std::nullopt;  // no home folder: nobody can steer
+  std::error_code error;
+  if (!chosen) std::filesystem::create_directories(std::filesystem::path(path).parent_path(), error);
+  if (auto problem = net::write_control_token(path, token_)) {
+    if (chosen) return problem;
+    return std::nullopt;
+  }
+  token_file_ = path;
+  return std::nullopt;
+}
+
+std::string Publisher::json() const {
+  JsonValue all;
+  {
+    const std::lock_guard lock(mutex_);
+    all = about_;
+  }
+  parameters_.describe(all);
+  return all.json();
+}
+
+net::PostAnswer Publisher::post(const net::PostRequest& request) {
+  if (request.path != "/parameters") return {404, "not found; expected /parameters"};
+  constexpr std::string_view kBearer = "Bearer ";
+  const std::string_view given = request.authorization;
+  if (!given.starts_with(kBearer) || !net::same_secret(given.substr(kBearer.size()), token_))
+    return {403, "the token is wrong or missing; expected the token of this session"};
+  if (const auto problem = parameters_.set_wanted(request.query)) return {400, *problem};
+  seen_ = true;  // the next step is news
+  note_viewer();
+  return {200, "ok"};
+}
+
+void Publisher::note_viewer() { viewer_ = insitu_now(); }
+
+void Publisher::note_file(std::string_view name) {
+  note_viewer();
+  if (seen_ || !name.ends_with(".qnv")) return;
+  const std::lock_guard lock(mutex_);
+  if (world_.find('"' + std::string(name) + '"') != std::string::npos) seen_ = true;
+}
+
+bool Publisher::is_wanted() const {
+  if (!options_.folder.empty()) return true;
+  if (!options_.serve) return false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (kept_.empty()) return true;  // so that the first viewer finds a step
+  }
+  const std::int64_t last = viewer_;
+  return seen_ && last != INT64_MIN && insitu_now() - last < std::chrono::nanoseconds(kViewerStays).count();
+}
+
+std::optional<std::string> Publisher::publish(std::int64_t step, double time, std::vector<StepStream> streams) {
+  if (streams.empty()) return std::nullopt;
+  Kept kept;
+  JsonValue list = JsonValue::list();
+  for (const StepStream& stream : streams) {
+    const std::string name = stream_file_name(stream, step);
+    if (auto failed = net::write_file_atomically(folder_ + name, stream.bytes)) return std::move(failed->message);
+    kept.files.push_back(name);
+    kept.bytes += stream.bytes.size();
+    list.add(JsonValue::named({{"kind", name_of(stream.kind)},
+                               {"field", stream.field},
+                               {"unit", stream.unit},
+                               {"url", name},
+                               {"bytes", stream.bytes.size()},
+                               {"max_error", stream.max_error},
+                               {"thinning", stream.thinning}}));
+  }
+  std::string world = world_of_streams(options_.title, step, time, streams, kept.files);
+  if (!options_.folder.empty())
+    if (auto failed = net::write_file_atomically(folder_ + kLiveWorld, std::as_bytes(std::span(world))))
+      return std::move(failed->message);
+  const std::lock_guard lock(mutex_);
+  world_ = std::move(world);
+  about_.put("step", step);
+  about_.put("time", time);
+  about_.put("streams", std::move(list));
+  kept_.push_back(std::move(kept));
+  seen_ = false;
+  drop_old();
+  return std::nullopt;
+}
+
+// Removes old streams from a temporary folder. Open transfers keep their file.
+void Publisher::drop_old() {
+  std::uint64_t bytes = 0;
+  for (const Kept& kept : kept_) bytes += kept.bytes;
+  while (kept_.size() > kMinKeptSteps && (!options_.folder.empty() || bytes > kMaxKeptBytes)) {
+    bytes -= kept_.front().bytes;
+    for (const std::string& name : kept_.front().files)
+      if (options_.folder.empty()) (void)::unlink((folder_ + name).c_str());
+    kept_.pop_front();
+  }
+}
+
+}  // namespace gs::app::insitu

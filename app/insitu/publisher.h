@@ -1,0 +1,87 @@
+#pragma once
+
+#include "app/insitu/parameters.h"
+#include "app/insitu/step_streams.h"
+#include "base/noncopyable.h"
+#include "net/files/temporary_folder.h"
+#include "net/serve/http_server.h"
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace gs::app::insitu {
+
+/// Name of the world that shows the newest step, and of the JSON resource that describes the session.
+inline constexpr const char* kLiveWorld = "live.wrl";
+inline constexpr const char* kLiveJson = "insitu.json";
+
+struct PublisherOptions {
+  std::string folder;  // for all streams; empty: a temporary folder keeps the newest ones
+  bool serve = false;
+  std::uint16_t port = 0;
+  std::string bind, token_file, title;
+};
+
+/// Output of a session on rank 0: streams in a folder, a world that shows the newest ones, and a server. The server's
+/// thread and one other thread use it.
+class Publisher : NonCopyable {
+ public:
+  /// Starts. `parameters` must outlive the result. Returns the problem otherwise.
+  [[nodiscard]] static std::variant<std::unique_ptr<Publisher>, std::string> start(PublisherOptions options,
+                                                                                   Parameters& parameters);
+  ~Publisher();
+
+  /// Writes the streams of a step, and makes them the newest. Returns the problem, or nullopt.
+  [[nodiscard]] std::optional<std::string> publish(std::int64_t step, double time, std::vector<StepStream> streams);
+  /// Reports whether the next step is needed: it is written to the user's folder, or a viewer waits for it.
+  [[nodiscard]] bool is_wanted() const;
+  [[nodiscard]] std::uint16_t port() const { return server_ ? server_->port() : 0; }
+  /// Returns the file with the token; empty if there is none.
+  [[nodiscard]] const std::string& token_file() const { return token_file_; }
+
+ private:
+  Publisher(PublisherOptions options, Parameters& parameters) : options_(std::move(options)), parameters_(parameters) {}
+  [[nodiscard]] std::optional<std::string> start_server();
+  [[nodiscard]] std::optional<std::string> write_token(std::uint16_t port);
+  [[nodiscard]] std::string json() const;
+  [[nodiscard]] net::PostAnswer post(const net::PostRequest& request);
+  void note_viewer();
+  void note_file(std::string_view name);
+  void drop_old();
+
+  const PublisherOptions options_;
+  Parameters& parameters_;
+  net::LockedFolder temporary_;
+  std::string folder_;  // with a slash at the end
+  std::string token_, token_file_;
+
+  mutable std::mutex mutex_;  // of the members up to `kept_`
+  std::string world_;
+  JsonValue about_;
+  struct Kept {
+    std::vector<std::string> files;
+    std::uint64_t bytes = 0;
+  };
+  std::deque<Kept> kept_;  // steps in the temporary folder, newest last
+
+  std::atomic<std::int64_t> viewer_{INT64_MIN};  // time of the last request for the world, nanoseconds
+  std::atomic<bool> seen_{true};                 // a viewer requested the newest step, or there is none
+  std::unique_ptr<net::HttpServer> server_;      // last, because its thread uses the others
+};
+
+/// Returns a world in VRML97 that shows streams, by their file names.
+[[nodiscard]] std::string world_of_streams(const std::string& title, std::int64_t step, double time,
+                                           const std::vector<StepStream>& streams,
+                                           const std::vector<std::string>& files);
+/// Returns the name of the file of a field's stream, such as "heat.000120.qnv".
+[[nodiscard]] std::string stream_file_name(const StepStream& stream, std::int64_t step);
+
+}  // namespace gs::app::insitu

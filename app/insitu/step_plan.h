@@ -1,0 +1,75 @@
+#pragma once
+
+#include "app/insitu/field_view.h"
+#include "app/insitu/ranks.h"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace gs::app::insitu {
+
+inline constexpr std::size_t kMaxFields = 16;
+
+/// Field of a step, as ranks describe it to rank 0.
+struct FieldFacts {
+  std::array<char, kMaxNameBytes + 1> name{}, unit{};
+  std::int32_t type = 0, of_cells = 0;
+  std::uint32_t components = 1;
+};
+
+/// Data of one kind that a rank passed: blocks, cells or particles.
+struct PartFacts {
+  std::uint32_t parts = 0, fields = 0;  // `fields` of the first part
+  std::array<FieldFacts, kMaxFields> field{};
+  std::uint64_t count = 0;              // triangles or particles
+  std::array<double, 3> low{}, high{};  // bounds of cells or particles
+  double radius = 0;                    // of particles
+};
+
+/// Regular grid of which blocks are parts.
+struct GridFacts {
+  std::array<std::int64_t, 6> whole{};
+  std::array<double, 3> origin{}, spacing{1, 1, 1};
+  friend bool operator==(const GridFacts&, const GridFacts&) = default;
+};
+
+/// Data that a rank passed in a step.
+struct RankFacts {
+  PartFacts blocks, cells, particles;
+  GridFacts grid;
+  double own_seconds = 0;  // time in the library so far
+};
+
+/// Data of a step that all ranks send to rank 0.
+struct StepPlan {
+  std::array<char, 128> problem{};  // not empty: the step is dropped
+  GridFacts grid;
+  std::uint32_t thinning = 1;  // every n-th point of the grid along each axis
+  std::uint32_t grid_fields = 0, has_cells = 0, has_particles = 0;
+  std::array<FieldFacts, kMaxFields> grid_field{};
+  FieldFacts cell_field, particle_field;  // without a name: none
+  std::array<double, 3> origin{};         // subtracted from positions before they become float32
+  double radius = 0;
+};
+
+[[nodiscard]] FieldFacts facts_of(const FieldView& view);
+/// Returns the field that the facts name, or nullptr.
+[[nodiscard]] const FieldView* find_field(std::span<const FieldView> fields, const FieldFacts& facts);
+
+/// Number of points (of cells, for fields of cells) of a grid along each axis, after thinning.
+[[nodiscard]] std::array<std::uint32_t, 3> grid_size(const GridFacts& grid, bool of_cells, std::uint32_t thinning);
+
+/// Requests of rank 0 for plans.
+struct PlanWishes {
+  bool all_fields = false;  // of grids; otherwise only `field`
+  std::string field;        // empty or unknown: the first one
+  std::uint64_t max_memory = 0;
+};
+/// Chooses the data of a step from the facts of all ranks.
+[[nodiscard]] StepPlan plan_step(std::span<const RankFacts> ranks, const PlanWishes& wishes);
+
+}  // namespace gs::app::insitu

@@ -1,0 +1,60 @@
+#pragma once
+
+#include "app/insitu/field_view.h"
+#include "app/insitu/ranks.h"
+#include "app/insitu/step_plan.h"
+#include "qnv/codecs/shared/encode_options.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace gs::app::insitu {
+
+/// Unstructured cells of the caller, with views of its arrays.
+struct CellsView {
+  gs_insitu_cells cells{};  // without fields
+  std::vector<FieldView> fields;
+};
+/// Checks cells. Returns the problem if they are invalid.
+[[nodiscard]] std::variant<CellsView, std::string> cells_view(const gs_insitu_cells& cells);
+
+/// Triangle of the surface of cells. Positions are relative to StepPlan::origin.
+struct SurfaceTriangle {
+  std::array<std::array<float, 3>, 3> positions{};
+  std::array<float, 3> values{};  // of the corners; NaN without a field
+  std::uint32_t of_solid = 0;     // 1: face of a cell with a volume, which a cell of another rank may share
+};
+
+/// Surface of all ranks, on rank 0.
+struct SurfaceValues {
+  FieldFacts field;
+  std::array<double, 3> origin{};
+  std::vector<SurfaceTriangle> triangles;
+};
+
+/// Extends the bounds of `facts` by the points of cells.
+void add_bounds(const CellsView& view, PartFacts& facts);
+
+/// Returns the triangles of faces that belong to one cell. Leaves out cells that other ranks own, of unknown types, or
+/// with invalid indices; `left_out` counts the last two. Memory: about 150 bytes per open face.
+[[nodiscard]] std::vector<SurfaceTriangle> outer_triangles(std::span<const CellsView> parts, const FieldFacts& field,
+                                                           const std::array<double, 3>& origin,
+                                                           std::uint64_t& left_out);
+
+/// Collects the surface on rank 0. Removes faces that cells of two ranks share. Collective. Returns false if the
+/// communication failed.
+[[nodiscard]] bool gather_surface(Ranks& ranks, std::span<const CellsView> parts, const StepPlan& plan,
+                                  SurfaceValues& values, std::uint64_t& left_out);
+
+/// Encodes a surface with colours for its values. Positions are exact up to `relative_error` of the longest side of the
+/// box. Returns the problem, or nullopt.
+[[nodiscard]] std::optional<std::string> encode_surface(const SurfaceValues& surface, double relative_error,
+                                                        qnv::EncodeOptions options, std::vector<std::byte>& bytes);
+
+}  // namespace gs::app::insitu

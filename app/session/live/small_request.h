@@ -1,0 +1,24 @@
+#pragma once
+
+#include "app/loading/fetch/load_options.h"
+#include "net/load/load_types.h"
+
+#include <atomic>
+#include <optional>
+#include <string>
+
+namespace gs::app {
+
+/// Answer to a small request.
+struct SmallAnswer {
+  std::string version;  // validators and size of the resource
+  std::string body;
+  std::string problem;  // empty if the request succeeded
+};
+
+/// Sends one request and waits for its answer, at most 30 s, until `stop` is true. With `head_only`, returns at the
+/// head, without a body. Otherwise, accepts at most 1 MiB. Blocks. Any thread.
+[[nodiscard]] SmallAnswer small_request(net::Request request, bool head_only, const LoadOptions& load,
+                                        const std::atomic<bool>& stop);
+
+}  // namespace gs::app

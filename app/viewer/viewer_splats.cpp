@@ -1,0 +1,69 @@
+#include "app/viewer/viewer_splats.h"
+
+#include "app/inspect/selection_marks.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+/// Returns a word of a command line, in quotes if it needs them.
+std::string shell_word(const std::string& word) {
+  constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./:,%@";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+std::string command_of(const SplatEdit& edit, const std::string& path) {
+  std::string command = "ghostspace export";
+  for (const std::string& word : options_of(edit)) command += " " + shell_word(word);
+  return command + " " + shell_word(path) + " OUT";
+}
+
+}  // namespace
+
+bool SplatEditing::act(Session& session) {
+  bool changed = false;
+  for (const std::size_t pane : session.panes().visible())
+    if (const View* const view = session.panes().at(pane).view())
+      changed = view->document->splats.follow(*view->document, wake_) || changed;
+  return changed;
+}
+
+UiSplats describe_splats(Session& session, const std::optional<Viewport>& place) {
+  UiSplats splats;
+  const View* const view = session.view();
+  if (!view) return splats;
+  Document& document = *view->document;
+  const auto only = only_splats(document.world);
+  if (!only) return splats;
+  splats.editable = true;
+  splats.edit = document.splats.edit();
+  splats.extent = document.splats.extent(document.world);
+  splats.removed = document.splats.removed();
+  splats.shown = only->geometry->size();
+  splats.busy = document.splats.busy();
+  splats.problem = document.splats.problem();
+  splats.command = command_of(splats.edit, document.world.path);
+  SplatEdit selection = splats.edit;
+  selection.exposure = 0;
+  if (place && splats.edit.box && matrix_of(selection) == glm::dmat4(1)) {
+    WideBox box;
+    box.add(splats.edit.box->lower);
+    box.add(splats.edit.box->upper);
+    splats.edges = edges_of(box, view->navigation.pose, *place);
+  }
+  return splats;
+}
+
+void apply_splats(const UiSplatActions& actions, Session& session) {
+  const View* const view = session.view();
+  if (!view || !actions.edit || !only_splats(view->document->world)) return;
+  view->document->splats.set(*actions.edit, view->document->runtime->execution().now(), actions.gesture);
+}
+
+}  // namespace gs::app

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "app/interface/base/ui_splats.h"
+#include "app/session/session.h"
+#include "app/view/viewports.h"
+#include "base/noncopyable.h"
+
+#include <functional>
+#include <optional>
+#include <utility>
+
+namespace gs::app {
+
+/// Shows edited splats in the visible viewports, as an extension of the session. Main thread.
+class SplatEditing final : public SessionExtension, NonCopyable {
+ public:
+  /// Another thread calls `wake` when edited splats are ready.
+  explicit SplatEditing(std::function<void()> wake) : wake_(std::move(wake)) {}
+  bool act(Session& session) override;
+
+ private:
+  std::function<void()> wake_;
+};
+
+/// Returns the splats of the active viewport for the interface. `place` is that of its picture; nullopt leaves out the
+/// edges of the crop box.
+[[nodiscard]] UiSplats describe_splats(Session& session, const std::optional<Viewport>& place);
+/// Carries out the user's requests for splats.
+void apply_splats(const UiSplatActions& actions, Session& session);
+
+}  // namespace gs::app

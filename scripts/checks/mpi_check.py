@@ -1,0 +1,231 @@
+#!/usr/bin/env python3
+"""Checks ghostspace-mpi: equal bytes for every number of ranks, ends of ranks at any moment, and --resume.
+
+usage: mpi_check.py [--kills N] [--seed S] [--volume FILE] [PROGRAM]
+
+PROGRAM is ghostspace, or $GHOSTSPACE, or build/release/ghostspace; ghostspace-mpi is beside it. --kills ends a random
+rank at N random moments (usually 2). --volume encodes that file instead of a small one in these runs. Skips all checks,
+with a message, if mpirun or ghostspace-mpi is missing.
+"""
+
+import argparse
+import array
+import hashlib
+import math
+import os
+import random
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+
+options = argparse.ArgumentParser(usage=__doc__)
+options.add_argument("--kills", type=int, default=2)
+options.add_argument("--seed", type=int, default=1)
+options.add_argument("--volume")
+options.add_argument("program", nargs="?", default=os.environ.get("GHOSTSPACE", "build/release/ghostspace"))
+options = options.parse_args()
+PROGRAM = os.path.abspath(options.program)
+TOGETHER = os.path.join(os.path.dirname(PROGRAM), "ghostspace-mpi")
+# Containers may forbid reading the memory of other processes, and tests may run as root.
+ENVIRONMENT = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
+                   OMPI_MCA_btl_vader_single_copy_mechanism="none", OMPI_MCA_mpi_yield_when_idle="1",
+                   OMPI_MCA_btl="self,vader", OMPI_MCA_orte_base_help_aggregate="1")
+failures = 0
+interrupted = 0
+
+
+def check(name, good, detail=""):
+    global failures
+    print(("ok      " if good else "FAILED  ") + name + ("" if good else ": " + str(detail)[-1500:]), flush=True)
+    failures += not good
+
+
+def mpirun(ranks, arguments):
+    return ["mpirun", "--quiet", "--oversubscribe", "--bind-to", "none", "-n", str(ranks), TOGETHER] + arguments
+
+
+def run(command):
+    return subprocess.run(command, env=ENVIRONMENT, capture_output=True, text=True, timeout=600)
+
+
+def sum_of(path):
+    if not os.path.exists(path):
+        return "missing"
+    with open(path, "rb") as file:
+        return hashlib.sha256(file.read()).hexdigest()
+
+
+def write_volume(path, size, kind, gaps=False):
+    nx, ny, nz = size
+    values = array.array("f" if kind == "float" else "h")
+    for z in range(nz):
+        for y in range(ny):
+            for x in range(nx):
+                value = 900 * math.sin(x * y / 37) + 500 * math.cos(z / 9) + (x * 7 + y * 13 + z * 29) % 31
+                values.append(float("nan") if gaps and (x + y + z) % 50 < 20 else value if kind == "float" else int(value))
+    with open(path, "wb") as file:
+        file.write(("NRRD0004\ntype: %s\ndimension: 3\nsizes: %d %d %d\nencoding: raw\nendian: little\n\n" %
+                    (kind, nx, ny, nz)).encode())
+        file.write(values.tobytes())
+
+
+def write_mesh(path):
+    with open(path, "wb") as file:
+        triangles = []
+        steps = 24
+        place = lambda i, k: (math.sin(math.pi * i / steps) * math.cos(2 * math.pi * k / steps),
+                              math.sin(math.pi * i / steps) * math.sin(2 * math.pi * k / steps),
+                              math.cos(math.pi * i / steps))
+        for i in range(steps):
+            for k in range(steps):
+                a, b, c, d = place(i, k), place(i + 1, k), place(i + 1, k + 1), place(i, k + 1)
+                triangles += [(a, b, c), (a, c, d)]
+        file.write(b" " * 80 + struct.pack("<I", len(triangles)))
+        for one in triangles:
+            file.write(struct.pack("<12fH", 0, 0, 0, *one[0], *one[1], *one[2], 0))
+
+
+def write_grid(path):
+    n = 6
+    points = [(x + 0.2 * math.sin(y), y, z + 0.1 * x * x) for z in range(n + 1) for y in range(n + 1) for x in range(n + 1)]
+    at = lambda x, y, z: (z * (n + 1) + y) * (n + 1) + x
+    cells = [(at(x, y, z), at(x + 1, y, z), at(x + 1, y + 1, z), at(x, y + 1, z), at(x, y, z + 1), at(x + 1, y, z + 1),
+              at(x + 1, y + 1, z + 1), at(x, y + 1, z + 1)) for z in range(n) for y in range(n) for x in range(n)]
+    numbers = lambda rows: " ".join(str(value) for row in rows for value in row)
+    with open(path, "w") as file:
+        file.write('<VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian"><UnstructuredGrid>'
+                   '<Piece NumberOfPoints="%d" NumberOfCells="%d"><Points><DataArray type="Float32" '
+                   'NumberOfComponents="3" format="ascii">%s</DataArray></Points><Cells><DataArray type="Int32" '
+                   'Name="connectivity" format="ascii">%s</DataArray><DataArray type="Int32" Name="offsets" '
+                   'format="ascii">%s</DataArray><DataArray type="UInt8" Name="types" format="ascii">%s</DataArray>'
+                   '</Cells></Piece></UnstructuredGrid></VTKFile>' %
+                   (len(points), len(cells), numbers(points), numbers(cells),
+                    " ".join(str(8 * (i + 1)) for i in range(len(cells))), " ".join("12" for _ in cells)))
+
+
+def equal_bytes(folder, name, source, extra, counts):
+    alone, out = folder + "/alone.qnv", folder + "/together.qnv"
+    made = run([PROGRAM, "encode", source, alone] + extra)
+    check(name + ": ghostspace encode", made.returncode == 0, made.stderr)
+    for ranks in counts:
+        if os.path.exists(out):
+            os.unlink(out)
+        made = run(mpirun(ranks, ["encode", source, out] + extra))
+        check("%s: %d ranks write the same bytes" % (name, ranks), made.returncode == 0 and sum_of(out) == sum_of(alone),
+              made.stderr + made.stdout)
+        check("%s: %d ranks leave no other file" % (name, ranks), not os.path.exists(out + ".parts"))
+
+
+def ranks_of(launcher):
+    found = []
+    for pid in os.listdir("/proc"):
+        try:
+            with open("/proc/%s/stat" % pid) as file:
+                parent = int(file.read().rsplit(")", 1)[1].split()[1])
+            if parent == launcher and os.readlink("/proc/%s/exe" % pid) == os.path.realpath(TOGETHER):
+                found.append(int(pid))
+        except (OSError, ValueError, IndexError):
+            pass
+    return found
+
+
+def end_a_rank(folder, source, extra, expected, longest, chance):
+    """Ends one rank at a random moment. Then --resume continues, sometimes with another number of ranks."""
+    global interrupted
+    out = folder + "/killed.qnv"
+    shutil.rmtree(out + ".parts", ignore_errors=True)
+    with open(out, "wb") as file:
+        file.write(b"")
+    os.unlink(out)
+    running = subprocess.Popen(mpirun(3, ["encode", source, out] + extra), env=ENVIRONMENT, stdout=subprocess.PIPE,
+                               stderr=subprocess.PIPE, text=True)
+    time.sleep(chance.uniform(0, longest))
+    ranks = ranks_of(running.pid)
+    if ranks and running.poll() is None:
+        try:
+            os.kill(chance.choice(ranks), signal.SIGKILL)
+        except ProcessLookupError:
+            pass
+    try:
+        _, errors = running.communicate(timeout=60)
+    except subprocess.TimeoutExpired:
+        running.kill()
+        running.communicate()
+        return "the other ranks did not end"
+    lines = [line for line in errors.splitlines() if "error" in line]
+    if running.returncode != 0 and len(lines) > 1:
+        return "several errors: " + errors
+    whole = os.path.exists(out)
+    if whole and sum_of(out) != expected:
+        return "half a file has the final name"
+    if whole and running.returncode == 0:
+        return None
+    interrupted += 1
+    for attempt in range(2):
+        made = run(mpirun(chance.choice((2, 3, 4)), ["encode", source, out, "--resume"] + extra))
+        if made.returncode == 0:
+            break
+        if "another input or other options" not in made.stderr or os.path.getsize(out + ".parts/key") > 0:
+            return "the second run failed: " + made.stderr + errors
+        shutil.rmtree(out + ".parts")  # the rank ended before it wrote the key
+    if sum_of(out) != expected:
+        return "--resume gave other bytes"
+    return "the folder of the parts is left" if os.path.exists(out + ".parts") else None
+
+
+def main():
+    if not shutil.which("mpirun") or not os.path.exists(TOGETHER):
+        print("skipped: mpirun or %s is missing (scripts/install-dependencies.sh --cluster)" % TOGETHER)
+        return
+    folder = tempfile.mkdtemp(prefix="ghostspace-mpi-")
+    try:
+        volume, floats, mesh, grid = (folder + "/" + name for name in ("v.nrrd", "f.nrrd", "m.stl", "g.vtu"))
+        write_volume(volume, (40, 36, 140), "short")
+        write_volume(floats, (24, 30, 75), "float", gaps=True)
+        write_mesh(mesh)
+        write_grid(grid)
+        equal_bytes(folder, "volume", volume, [], (1, 2, 3, 4))
+        equal_bytes(folder, "lossless floats with missing voxels", floats, ["--lossless"], (3,))
+        equal_bytes(folder, "limited size", volume, ["--max-bytes", "30000"], (3,))
+        equal_bytes(folder, "mesh", mesh, [], (3,))
+        equal_bytes(folder, "unstructured grid", grid, [], (3,))
+        out = folder + "/out.qnv"
+        missing = run(mpirun(3, ["encode", folder + "/missing.nrrd", out]))
+        lines = [line for line in missing.stderr.splitlines() if line.strip()]
+        check("a missing input gives one line", missing.returncode == 1 and len(lines) == 1 and "missing.nrrd" in lines[0],
+              missing.stderr)
+        os.makedirs(out + ".parts")
+        with open(out + ".parts/key", "w") as key:
+            key.write("another task")
+        wrong = run(mpirun(2, ["encode", volume, out, "--resume"]))
+        check("--resume needs the same task", wrong.returncode == 1 and "other options" in wrong.stderr, wrong.stderr)
+        wrong = run(mpirun(2, ["info", volume]))
+        check("other commands are refused", wrong.returncode == 2 and "expected 'encode" in wrong.stderr, wrong.stderr)
+        wrong = run([PROGRAM, "encode", volume, out, "--resume"])
+        check("ghostspace has no --resume", wrong.returncode == 2 and "ghostspace-mpi" in wrong.stderr, wrong.stderr)
+
+        source = options.volume or volume
+        expected_file = folder + "/expected.qnv"
+        begin = time.time()
+        made = run(mpirun(3, ["encode", source, expected_file]))
+        longest = time.time() - begin
+        expected = sum_of(expected_file)
+        check("encode without an end", made.returncode == 0, made.stderr)
+        chance = random.Random(options.seed)
+        problems = []
+        for i in range(options.kills):
+            problem = end_a_rank(folder, source, [], expected, longest, chance)
+            if problem:
+                problems.append("end %d: %s" % (i, problem))
+        check("%d ends of a rank (%d before the end of the run) leave no half file, and --resume gives the same bytes" %
+              (options.kills, interrupted), not problems, "; ".join(problems))
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    sys.exit(failures != 0)
+
+
+main()

@@ -1,0 +1,288 @@
+#include "qnv/codecs/shared/ranks.h"
+#include "qnv/codecs/values/encode/values_stream.h"
+#include "qnv/codecs/values/slices/slice_transform.h"
+#include "tests/qnv/volume_sources.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <barrier>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace gs::qnv {
+namespace shared_encode_test {
+
+/// Memory that several ranks share: what they gather, their stores, the results of finished work, and the stream.
+struct SharedState {
+  explicit SharedState(std::uint32_t count) : gathered(count), stores(count), barrier(count) {}
+
+  std::vector<std::vector<std::byte>> gathered;
+  std::vector<MemoryStore> stores;
+  std::barrier<> barrier;
+  std::mutex mutex;
+  std::map<std::string, std::vector<std::byte>, std::less<>> finished;
+  std::size_t restored = 0;  // number of results that were taken
+  std::vector<std::byte> stream;
+};
+
+class ThreadRanks final : public Ranks {
+ public:
+  ThreadRanks(SharedState& state, std::uint32_t rank) : state_(state), rank_(rank) {}
+  std::uint32_t rank() const override { return rank_; }
+  std::uint32_t count() const override { return static_cast<std::uint32_t>(state_.gathered.size()); }
+  std::vector<std::byte> gather(std::span<const std::byte> own) override {
+    state_.gathered[rank_].assign(own.begin(), own.end());
+    state_.barrier.arrive_and_wait();
+    std::vector<std::byte> all;
+    for (const auto& one : state_.gathered) all.insert(all.end(), one.begin(), one.end());
+    state_.barrier.arrive_and_wait();
+    return all;
+  }
+
+ private:
+  SharedState& state_;
+  std::uint32_t rank_;
+};
+
+/// Store of one rank that reads those of all. The rank is in the high bits of an offset.
+class RankStore final : public SpillStore {
+ public:
+  RankStore(SharedState& state, std::uint32_t rank) : state_(state), rank_(rank) {}
+  bool append(std::span<const std::byte> bytes) override {
+    const std::lock_guard lock(state_.mutex);
+    if (fails_at != 0 && state_.stores[rank_].size() + bytes.size() > fails_at) return false;
+    return state_.stores[rank_].append(bytes);
+  }
+  std::uint64_t size() const override {
+    const std::lock_guard lock(state_.mutex);
+    return (std::uint64_t{rank_} << kBits) + state_.stores[rank_].size();
+  }
+  bool read(std::uint64_t offset, std::span<std::byte> to) const override {
+    const std::lock_guard lock(state_.mutex);
+    const std::uint64_t mask = (std::uint64_t{1} << kBits) - 1;
+    return state_.stores[static_cast<std::size_t>(offset >> kBits)].read(offset & mask, to);
+  }
+  std::optional<std::vector<std::byte>> finished(std::string_view work) const override {
+    const std::lock_guard lock(state_.mutex);
+    const auto found = state_.finished.find(work);
+    if (found == state_.finished.end()) return std::nullopt;
+    ++state_.restored;
+    return found->second;
+  }
+  bool finish(std::string_view work, std::uint64_t, std::span<const std::byte> result) override {
+    const std::lock_guard lock(state_.mutex);
+    state_.finished.emplace(work, std::vector<std::byte>(result.begin(), result.end()));
+    return true;
+  }
+  std::uint64_t fails_at = 0;  // 0 means never
+
+ private:
+  static constexpr int kBits = 40;
+  SharedState& state_;
+  std::uint32_t rank_;
+};
+
+/// Part of a stream that one rank writes.
+class RankSink final : public StreamSink {
+ public:
+  explicit RankSink(SharedState& state) : state_(state) {}
+  bool write(std::span<const std::byte> bytes) override {
+    put(at_, bytes);
+    return skip(bytes.size());
+  }
+  bool rewrite_front(std::span<const std::byte> bytes) override {
+    put(0, bytes);
+    return true;
+  }
+  bool skip(std::uint64_t bytes) override {
+    at_ += bytes;
+    return true;
+  }
+
+ private:
+  void put(std::uint64_t at, std::span<const std::byte> bytes) {
+    const std::lock_guard lock(state_.mutex);
+    if (state_.stream.size() < at + bytes.size()) state_.stream.resize(at + bytes.size());
+    std::ranges::copy(bytes, state_.stream.begin() + static_cast<std::ptrdiff_t>(at));
+  }
+  SharedState& state_;
+  std::uint64_t at_ = 0;
+};
+
+using Result = std::variant<EncodedStream, EncodeError>;
+
+std::vector<Result> encode_with(SharedState& state, const VolumeSource& volume, const EncodeOptions& options,
+                                std::uint64_t last_fails_at = 0) {
+  const std::size_t count = state.stores.size();
+  std::vector<Result> results(count, EncodeError{"not run"});
+  std::vector<std::jthread> threads;
+  for (std::uint32_t rank = 0; rank < count; ++rank)
+    threads.emplace_back([&, rank] {
+      ThreadRanks ranks(state, rank);
+      RankStore store(state, rank);
+      if (rank + 1 == count) store.fails_at = last_fails_at;
+      RankSink sink(state);
+      EncodeOptions own = options;
+      own.ranks = &ranks;
+      own.spill = &store;
+      own.sink = &sink;
+      own.threads = 1;
+      results[rank] = encode_values(volume, own);
+    });
+  return results;
+}
+
+std::vector<std::byte> encode_alone(const VolumeSource& volume, const EncodeOptions& options) {
+  auto encoded = encode_values(volume, options);
+  REQUIRE(std::holds_alternative<EncodedStream>(encoded));
+  return std::get<EncodedStream>(encoded).bytes;
+}
+
+VolumeLayout layout_of(std::uint32_t nx, std::uint32_t ny, std::uint32_t nz) {
+  VolumeLayout layout;
+  layout.dimensions = {nx, ny, nz};
+  return layout;
+}
+
+float rough(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+  return 900 * std::sin(static_cast<float>(x * y) / 37) + 500 * std::cos(static_cast<float>(z) / 9) +
+         static_cast<float>((x * 7 + y * 13 + z * 29) % 31);
+}
+
+VolumeSource floats(std::uint32_t nx, std::uint32_t ny, std::uint32_t nz, bool gaps) {
+  return test::volume_of(layout_of(nx, ny, nz), [=](std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+    return gaps && (x + y + z) % 50 < 20 ? test::kNaN : rough(x, y, z);
+  });
+}
+
+VolumeSource integers(std::uint32_t nx, std::uint32_t ny, std::uint32_t nz) {
+  VolumeLayout layout = layout_of(nx, ny, nz);
+  layout.type = VoxelType::i16;
+  std::vector<std::int16_t> voxels;
+  for (std::uint32_t z = 0; z < nz; ++z)
+    for (std::uint32_t y = 0; y < ny; ++y)
+      for (std::uint32_t x = 0; x < nx; ++x) voxels.push_back(static_cast<std::int16_t>(rough(x, y, z)));
+  return test::volume_of(layout, std::move(voxels));
+}
+
+void check_equal(const VolumeSource& volume, const EncodeOptions& options) {
+  const std::vector<std::byte> alone = encode_alone(volume, options);
+  for (const std::uint32_t count : {1u, 2u, 3u, 4u, 7u}) {
+    INFO(count << " ranks");
+    SharedState state(count);
+    for (const Result& result : encode_with(state, volume, options)) {
+      REQUIRE(std::holds_alternative<EncodedStream>(result));
+      CHECK(std::get<EncodedStream>(result).size() == alone.size());
+    }
+    CHECK(state.stream == alone);
+  }
+}
+
+TEST_CASE("shared encoding: Any number of ranks gives the bytes of one process") {
+  EncodeOptions options;
+  SECTION("default error") { check_equal(integers(50, 37, 143), options); }
+  SECTION("lossless integers") {
+    options.tolerance.lossless = true;
+    check_equal(integers(33, 40, 100), options);
+  }
+  SECTION("lossless floats with missing voxels") {
+    options.tolerance.lossless = true;
+    check_equal(floats(30, 35, 97, true), options);
+  }
+  SECTION("floats with missing voxels") { check_equal(floats(40, 20, 130, true), options); }
+  SECTION("a limited size") {
+    options.max_bytes = 20'000;
+    check_equal(integers(50, 37, 143), options);
+  }
+  SECTION("equal parity") {
+    options.parity = 0.1;
+    check_equal(integers(40, 40, 96), options);
+  }
+  SECTION("volumes with few slices") {
+    check_equal(integers(100, 90, 1), options);
+    check_equal(integers(9, 7, 5), options);
+    check_equal(integers(1, 1, 200), options);
+  }
+}
+
+TEST_CASE("shared encoding: Components and time series have the same bytes, too") {
+  VolumeSource vectors = floats(25, 30, 70, false);
+  vectors.components = {floats(25, 30, 70, false), floats(25, 30, 70, true)};
+  check_equal(vectors, {});
+  VolumeSource series = integers(30, 30, 66);
+  for (int step = 0; step < 3; ++step) {
+    series.steps.push_back(integers(30, 30, 66));
+    series.times.push_back(step);
+  }
+  check_equal(series, {});
+}
+
+TEST_CASE("shared encoding: A later run uses the rows that an earlier run has finished") {
+  const VolumeSource volume = integers(40, 33, 150);
+  const std::vector<std::byte> alone = encode_alone(volume, {});
+  SharedState first(3);
+  (void)encode_with(first, volume, {});
+  REQUIRE(first.finished.size() > 5);
+  CHECK(first.restored == 0);
+  // Rows of all kinds are missing, as after an end at any moment.
+  std::size_t i = 0;
+  std::erase_if(first.finished, [&](const auto&) { return i++ % 3 == 0; });
+  const std::size_t kept = first.finished.size();
+  first.stream.clear();
+  for (const Result& result : encode_with(first, volume, {})) CHECK(std::holds_alternative<EncodedStream>(result));
+  CHECK(first.restored >= kept);
+  CHECK(first.stream == alone);
+}
+
+TEST_CASE("shared encoding: All ranks report the error of one") {
+  const VolumeSource volume = integers(40, 33, 150);
+  SharedState state(3);
+  for (const Result& result : encode_with(state, volume, {}, 3000)) {
+    REQUIRE(std::holds_alternative<EncodeError>(result));
+    CHECK_THAT(std::get<EncodeError>(result).message, Catch::Contains("cannot keep the clusters"));
+  }
+  VolumeSource broken = integers(40, 33, 150);
+  broken.read = [read = broken.read](std::uint32_t z, std::span<std::byte> to) { return z != 120 && read(z, to); };
+  SharedState other(4);
+  for (const Result& result : encode_with(other, broken, {})) {
+    REQUIRE(std::holds_alternative<EncodeError>(result));
+    CHECK_THAT(std::get<EncodeError>(result).message, Catch::Contains("slice 120"));
+  }
+}
+
+TEST_CASE("shared encoding: The inverse transform gives any window of slices") {
+  const values::Extent extent{21, 18, 150};
+  const values::BlockLayout layout(extent, values::level_count(extent));
+  std::vector<std::int32_t> samples(values::sample_count(extent));
+  for (std::size_t i = 0; i < samples.size(); ++i) samples[i] = static_cast<std::int32_t>(i * 2654435761u >> 20);
+  std::vector<std::int32_t> bands = samples;
+  values::transform(bands, extent, values::level_count(extent));
+  const std::size_t slice = std::size_t{extent[0]} * extent[1];
+  for (const auto& [first, end] : {std::pair(0u, 32u), {32u, 64u}, {96u, 150u}, {64u, 65u}, {0u, 150u}}) {
+    values::SliceRestorer restorer(extent, 1,
+                                   [&](std::uint64_t, const values::BlockPlace& place, const values::BlockBands& to) {
+                                     const values::BlockBands from = bands_in_volume(place, bands, extent);
+                                     for (std::uint32_t b = 0; b < place.band_count; ++b)
+                                       for (std::uint32_t z = 0; z < place.bands[b].size[2]; ++z)
+                                         for (std::uint32_t y = 0; y < place.bands[b].size[1]; ++y)
+                                           std::copy_n(from.parts[b][z] + y * from.row, place.bands[b].size[0],
+                                                       to.parts[b][z] + y * to.row);
+                                   },
+                                   {first, end});
+    std::vector<std::int32_t> restored(slice * (end - first));
+    std::vector<values::SliceRows> rows;
+    for (std::uint32_t z = 0; z < end - first; ++z) rows.push_back({restored.data() + z * slice, extent[0]});
+    restorer.next(rows);
+    CHECK(std::equal(restored.begin(), restored.end(), samples.begin() + static_cast<std::ptrdiff_t>(first * slice)));
+  }
+}
+
+}  // namespace shared_encode_test
+}  // namespace gs::qnv
