@@ -141,6 +141,8 @@ Hdf5Handle open_hdf5_bytes(Hdf5Source& source) {
   if (!properties || H5Pset_driver(properties.get(), memory_driver_id(), &memory) < 0 ||
       H5Pset_fclose_degree(properties.get(), H5F_CLOSE_STRONG) < 0)
     return {};
+  // Rows are received together already; a buffer of the library would read bytes between them.
+  if (source.bytes.need) (void)H5Pset_sieve_buf_size(properties.get(), 0);
   const hid_t opened = H5Fopen(kMemoryName, H5F_ACC_RDONLY, properties.get());
   // A file that a program writes with SWMR opens only with SWMR.
   return {opened >= 0 ? opened : H5Fopen(kMemoryName, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, properties.get()), H5Fclose};
