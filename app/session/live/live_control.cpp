@@ -98,14 +98,17 @@ void LiveControl::check() {
     state_.reset();
     changes_.clear();
     message_.clear();
+    stale_ = coming_.valid();
     due_ = step_.now;
   }
   if (coming_.valid() && coming_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
     const SmallAnswer answer = coming_.get();
-    due_ = step_.now + kWait;
-    if (changing_) {
+    const bool stale = std::exchange(stale_, false);
+    due_ = stale || changing_ ? step_.now : step_.now + kWait;
+    if (stale) {
+      // The answer belongs to the simulation before.
+    } else if (changing_) {
       message_ = answer.problem;
-      due_ = step_.now;
     } else if (answer.problem.empty()) {
       if (auto read = read_live_state(answer.body)) state_ = std::move(read);
     }

@@ -67,6 +67,7 @@ class LiveControl : NonCopyable {
   std::vector<std::pair<std::string, std::string>> changes_;  // queries and tokens, oldest first
   std::string message_;
   bool changing_ = false;  // `coming_` is a change
+  bool stale_ = false;     // `coming_` is of another simulation than `url_`
   std::future<SmallAnswer> coming_;
 };
 
