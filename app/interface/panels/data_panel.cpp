@@ -288,6 +288,11 @@ void DataPanel::bar_row(const UiModel& model, UiToolActions& actions) {
 
 void DataPanel::live_rows(const UiData& data, UiDataActions& actions) {
   if (!data.live || (data.live->parameters.empty() && data.live->fields.size() < 2)) return;
+  if (live_url_ != data.live->url) {
+    live_url_ = data.live->url;
+    live_name_.clear();
+    live_token_.clear();
+  }
   ImGui::Separator();
   colored_text(UiColors::kQuiet, "Simulation");
   if (data.live->fields.size() > 1) {

@@ -110,7 +110,10 @@ void LiveControl::check() {
     } else if (changing_) {
       message_ = answer.problem;
     } else if (answer.problem.empty()) {
-      if (auto read = read_live_state(answer.body)) state_ = std::move(read);
+      if (auto read = read_live_state(answer.body)) {
+        state_ = std::move(read);
+        state_->url = url_;
+      }
     }
     if (state_) state_->message = message_;
     step_.frame.news = true;

@@ -28,6 +28,7 @@ struct LiveState {
   std::vector<std::string> fields;
   std::string field;    // that is shown
   std::string message;  // why the last change was refused; empty if it was not
+  std::string url;      // of the JSON resource
 };
 
 /// Parses the JSON resource of a simulation. Returns nullopt for other texts. Safe for untrusted texts.

@@ -125,6 +125,7 @@ TEST_CASE("live data: a world of a simulation is followed, and the Data panel ch
   REQUIRE(user.wait_for([&] { return session.view() && session.view()->document->world.title == "run, step 0"; }));
   CHECK(session.view()->document->world.live == "insitu.json");
   REQUIRE(user.wait_for([&] { return session.live().state() != nullptr; }));
+  CHECK(session.live().state()->url == simulation.url() + "insitu.json");
   user.press(letter_key('D'), true, true);
   user.settle();
   INFO(user.screen());
