@@ -9,7 +9,6 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -319,9 +318,7 @@ void DataPanel::live_rows(const UiData& data, UiDataActions& actions) {
     }
     frame_->tooltips.show("Parameter " + one.name + " of the simulation, which gets it before its next step");
     if (!ImGui::IsItemDeactivatedAfterEdit() || live_name_ != one.name) continue;
-    char number[32];
-    const auto end = std::to_chars(number, number + sizeof number, std::clamp(live_value_, one.minimum, one.maximum));
-    actions.live = net::encode_name(one.name) + "=" + std::string(number, end.ptr);
+    actions.live = parameter_query(one.name, std::clamp(live_value_, one.minimum, one.maximum));
     live_name_.clear();
   }
   if (!data.live->message.empty()) {

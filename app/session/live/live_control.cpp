@@ -3,10 +3,12 @@
 #include "net/base/url.h"
 #include "net/control/control_token.h"
 #include "net/files/file.h"
+#include "net/serve/served_folder.h"
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <utility>
@@ -60,6 +62,13 @@ std::optional<LiveState> read_live_state(std::string_view text) {
     state.parameters.push_back(std::move(made));
   }
   return state;
+}
+
+std::string parameter_query(std::string_view name, double value) {
+  char number[32];
+  const auto end = std::to_chars(number, number + sizeof number, value);
+  // A '+', as in 1e+05, is a blank in queries.
+  return net::encode_name(name) + "=" + net::encode_name({number, end.ptr});
 }
 
 std::string token_of_simulation(const std::string& url) {

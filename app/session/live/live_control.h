@@ -34,6 +34,9 @@ struct LiveState {
 /// Parses the JSON resource of a simulation. Returns nullopt for other texts. Safe for untrusted texts.
 [[nodiscard]] std::optional<LiveState> read_live_state(std::string_view json);
 
+/// Returns the query that gives a parameter a value.
+[[nodiscard]] std::string parameter_query(std::string_view name, double value);
+
 /// Steering of the simulation that the active viewport shows. Polls its JSON resource once per second on other threads,
 /// and sends changes. One thread; none in simulated time.
 class LiveControl : NonCopyable {

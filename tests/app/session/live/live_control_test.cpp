@@ -99,6 +99,12 @@ TEST_CASE("live data: the JSON of a simulation is read, and wrong entries are le
   CHECK(bounded->parameters[0].name.size() == 100);
 }
 
+TEST_CASE("live data: simulations understand the values that are sent") {
+  CHECK(parameter_query("feed", 0.05) == "feed=0.05");
+  CHECK(parameter_query("steps", 100'000) == "steps=1e%2B05");
+  CHECK(parameter_query("a b", -2) == "a%20b=-2");
+}
+
 TEST_CASE("live data: the token comes from the user's file for the port, for this machine only") {
   const ScratchFolder folder;
   const LiveEnvironment environment(folder.path(""));
