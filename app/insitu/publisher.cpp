@@ -54,14 +54,16 @@ net::ServedType insitu_type_of(const std::string& name) {
 
 }  // namespace
 
-std::string stream_file_name(const StepStream& stream, std::int64_t step) {
+std::string stream_file_name(const StepStream& stream, std::int64_t step, const std::vector<std::string>& taken) {
   std::string name = stream.field.empty() ? name_of(stream.kind) : stream.field;
   for (char& c : name)
     if (!((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_')) c = '_';
   if (stream.kind != StreamKind::volume && !stream.field.empty()) name += std::string("-") + name_of(stream.kind);
   char number[32];
   std::snprintf(number, sizeof number, ".%06lld.qnv", static_cast<long long>(step));
-  return name + number;
+  std::string file = name + number;
+  for (int i = 2; std::ranges::find(taken, file) != taken.end(); ++i) file = name + "-" + std::to_string(i) + number;
+  return file;
 }
 
 std::string world_of_streams(const std::string& title, std::int64_t step, double time,
@@ -197,7 +199,7 @@ std::optional<std::string> Publisher::publish(std::int64_t step, double time, st
   Kept kept;
   JsonValue list = JsonValue::list();
   for (const StepStream& stream : streams) {
-    const std::string name = stream_file_name(stream, step);
+    const std::string name = stream_file_name(stream, step, kept.files);
     if (auto failed = net::write_file_atomically(folder_ + name, stream.bytes)) return std::move(failed->message);
     kept.files.push_back(name);
     kept.bytes += stream.bytes.size();

@@ -81,7 +81,9 @@ class Publisher : NonCopyable {
 [[nodiscard]] std::string world_of_streams(const std::string& title, std::int64_t step, double time,
                                            const std::vector<StepStream>& streams,
                                            const std::vector<std::string>& files);
-/// Returns the name of the file of a field's stream, such as "heat.000120.qnv".
-[[nodiscard]] std::string stream_file_name(const StepStream& stream, std::int64_t step);
+/// Returns the name of the file of a field's stream, such as "heat.000120.qnv". It is none of `taken`: fields of points
+/// and of cells may have one name, and names may differ in characters that files do not have.
+[[nodiscard]] std::string stream_file_name(const StepStream& stream, std::int64_t step,
+                                           const std::vector<std::string>& taken = {});
 
 }  // namespace gs::app::insitu
