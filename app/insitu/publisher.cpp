@@ -200,7 +200,12 @@ std::optional<std::string> Publisher::publish(std::int64_t step, double time, st
   JsonValue list = JsonValue::list();
   for (const StepStream& stream : streams) {
     const std::string name = stream_file_name(stream, step, kept.files);
-    if (auto failed = net::write_file_atomically(folder_ + name, stream.bytes)) return std::move(failed->message);
+    auto failed = net::write_file_atomically(folder_ + name, stream.bytes);
+    if (failed && make_room()) failed = net::write_file_atomically(folder_ + name, stream.bytes);
+    if (failed) {
+      if (options_.folder.empty()) remove_files(kept);
+      return std::move(failed->message);
+    }
     kept.files.push_back(name);
     kept.bytes += stream.bytes.size();
     list.add(JsonValue::named({{"kind", name_of(stream.kind)},
@@ -232,10 +237,21 @@ void Publisher::drop_old() {
   for (const Kept& kept : kept_) bytes += kept.bytes;
   while (kept_.size() > kMinKeptSteps && (!options_.folder.empty() || bytes > kMaxKeptBytes)) {
     bytes -= kept_.front().bytes;
-    for (const std::string& name : kept_.front().files)
-      if (options_.folder.empty()) (void)::unlink((folder_ + name).c_str());
+    if (options_.folder.empty()) remove_files(kept_.front());
     kept_.pop_front();
   }
+}
+
+// Removes all steps but the newest from a temporary folder. Returns false if there are none.
+bool Publisher::make_room() {
+  const std::lock_guard lock(mutex_);
+  if (!options_.folder.empty() || kept_.size() < 2) return false;
+  for (; kept_.size() > 1; kept_.pop_front()) remove_files(kept_.front());
+  return true;
+}
+
+void Publisher::remove_files(const Kept& kept) const {
+  for (const std::string& name : kept.files) (void)::unlink((folder_ + name).c_str());
 }
 
 }  // namespace gs::app::insitu
