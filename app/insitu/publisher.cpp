@@ -54,14 +54,16 @@ net::ServedType insitu_type_of(const std::string& name) {
 
 }  // namespace
 
-std::string stream_file_name(const StepStream& stream, std::int64_t step) {
+std::string stream_file_name(const StepStream& stream, std::int64_t step, const std::vector<std::string>& taken) {
   std::string name = stream.field.empty() ? name_of(stream.kind) : stream.field;
   for (char& c : name)
     if (!((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_')) c = '_';
   if (stream.kind != StreamKind::volume && !stream.field.empty()) name += std::string("-") + name_of(stream.kind);
   char number[32];
   std::snprintf(number, sizeof number, ".%06lld.qnv", static_cast<long long>(step));
-  return name + number;
+  std::string file = name + number;
+  for (int i = 2; std::ranges::find(taken, file) != taken.end(); ++i) file = name + "-" + std::to_string(i) + number;
+  return file;
 }
 
 std::string world_of_streams(const std::string& title, std::int64_t step, double time,
@@ -197,8 +199,13 @@ std::optional<std::string> Publisher::publish(std::int64_t step, double time, st
   Kept kept;
   JsonValue list = JsonValue::list();
   for (const StepStream& stream : streams) {
-    const std::string name = stream_file_name(stream, step);
-    if (auto failed = net::write_file_atomically(folder_ + name, stream.bytes)) return std::move(failed->message);
+    const std::string name = stream_file_name(stream, step, kept.files);
+    auto failed = net::write_file_atomically(folder_ + name, stream.bytes);
+    if (failed && make_room()) failed = net::write_file_atomically(folder_ + name, stream.bytes);
+    if (failed) {
+      if (options_.folder.empty()) remove_files(kept);
+      return std::move(failed->message);
+    }
     kept.files.push_back(name);
     kept.bytes += stream.bytes.size();
     list.add(JsonValue::named({{"kind", name_of(stream.kind)},
@@ -230,10 +237,21 @@ void Publisher::drop_old() {
   for (const Kept& kept : kept_) bytes += kept.bytes;
   while (kept_.size() > kMinKeptSteps && (!options_.folder.empty() || bytes > kMaxKeptBytes)) {
     bytes -= kept_.front().bytes;
-    for (const std::string& name : kept_.front().files)
-      if (options_.folder.empty()) (void)::unlink((folder_ + name).c_str());
+    if (options_.folder.empty()) remove_files(kept_.front());
     kept_.pop_front();
   }
+}
+
+// Removes all steps but the newest from a temporary folder. Returns false if there are none.
+bool Publisher::make_room() {
+  const std::lock_guard lock(mutex_);
+  if (!options_.folder.empty() || kept_.size() < 2) return false;
+  for (; kept_.size() > 1; kept_.pop_front()) remove_files(kept_.front());
+  return true;
+}
+
+void Publisher::remove_files(const Kept& kept) const {
+  for (const std::string& name : kept.files) (void)::unlink((folder_ + name).c_str());
 }
 
 }  // namespace gs::app::insitu

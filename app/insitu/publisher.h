@@ -55,7 +55,6 @@ class Publisher : NonCopyable {
   [[nodiscard]] net::PostAnswer post(const net::PostRequest& request);
   void note_viewer();
   void note_file(std::string_view name);
-  void drop_old();
 
   const PublisherOptions options_;
   Parameters& parameters_;
@@ -71,6 +70,9 @@ class Publisher : NonCopyable {
     std::uint64_t bytes = 0;
   };
   std::deque<Kept> kept_;  // steps in the temporary folder, newest last
+  void drop_old();
+  bool make_room();
+  void remove_files(const Kept& kept) const;
 
   std::atomic<std::int64_t> viewer_{INT64_MIN};  // time of the last request for the world, nanoseconds
   std::atomic<bool> seen_{true};                 // a viewer requested the newest step, or there is none
@@ -81,7 +83,9 @@ class Publisher : NonCopyable {
 [[nodiscard]] std::string world_of_streams(const std::string& title, std::int64_t step, double time,
                                            const std::vector<StepStream>& streams,
                                            const std::vector<std::string>& files);
-/// Returns the name of the file of a field's stream, such as "heat.000120.qnv".
-[[nodiscard]] std::string stream_file_name(const StepStream& stream, std::int64_t step);
+/// Returns the name of the file of a field's stream, such as "heat.000120.qnv". It is none of `taken`: fields of points
+/// and of cells may have one name, and names may differ in characters that files do not have.
+[[nodiscard]] std::string stream_file_name(const StepStream& stream, std::int64_t step,
+                                           const std::vector<std::string>& taken = {});
 
 }  // namespace gs::app::insitu

@@ -274,6 +274,9 @@ void LoadJob::end_body(Fetch& fetch, TimePoint now) {
 }
 
 void LoadJob::follow(const std::string& location, AddressSpace space) {
+  // Another server must not get the authorization, nor the change that a POST makes.
+  if (request_.post || !request_.authorization.empty())
+    return fail(LoadErrorKind::bad_response, "the server redirects the request; expected an answer");
   const auto target = location_.redirect_target(location, space);
   if (const auto* const error = std::get_if<LoadError>(&target)) return fail(error->kind, error->message);
   const bool sent = head_sent_;

@@ -9,7 +9,6 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -288,6 +287,11 @@ void DataPanel::bar_row(const UiModel& model, UiToolActions& actions) {
 
 void DataPanel::live_rows(const UiData& data, UiDataActions& actions) {
   if (!data.live || (data.live->parameters.empty() && data.live->fields.size() < 2)) return;
+  if (live_url_ != data.live->url) {
+    live_url_ = data.live->url;
+    live_name_.clear();
+    live_token_.clear();
+  }
   ImGui::Separator();
   colored_text(UiColors::kQuiet, "Simulation");
   if (data.live->fields.size() > 1) {
@@ -314,9 +318,7 @@ void DataPanel::live_rows(const UiData& data, UiDataActions& actions) {
     }
     frame_->tooltips.show("Parameter " + one.name + " of the simulation, which gets it before its next step");
     if (!ImGui::IsItemDeactivatedAfterEdit() || live_name_ != one.name) continue;
-    char number[32];
-    const auto end = std::to_chars(number, number + sizeof number, std::clamp(live_value_, one.minimum, one.maximum));
-    actions.live = net::encode_name(one.name) + "=" + std::string(number, end.ptr);
+    actions.live = parameter_query(one.name, std::clamp(live_value_, one.minimum, one.maximum));
     live_name_.clear();
   }
   if (!data.live->message.empty()) {

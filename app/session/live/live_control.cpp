@@ -3,10 +3,12 @@
 #include "net/base/url.h"
 #include "net/control/control_token.h"
 #include "net/files/file.h"
+#include "net/serve/served_folder.h"
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <utility>
@@ -62,6 +64,13 @@ std::optional<LiveState> read_live_state(std::string_view text) {
   return state;
 }
 
+std::string parameter_query(std::string_view name, double value) {
+  char number[32];
+  const auto end = std::to_chars(number, number + sizeof number, value);
+  // A '+', as in 1e+05, is a blank in queries.
+  return net::encode_name(name) + "=" + net::encode_name({number, end.ptr});
+}
+
 std::string token_of_simulation(const std::string& url) {
   const net::Url parsed = net::parse_url(url);
   const auto place = net::host_and_port(parsed.authority);
@@ -98,16 +107,22 @@ void LiveControl::check() {
     state_.reset();
     changes_.clear();
     message_.clear();
+    stale_ = coming_.valid();
     due_ = step_.now;
   }
   if (coming_.valid() && coming_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
     const SmallAnswer answer = coming_.get();
-    due_ = step_.now + kWait;
-    if (changing_) {
+    const bool stale = std::exchange(stale_, false);
+    due_ = stale || changing_ ? step_.now : step_.now + kWait;
+    if (stale) {
+      // The answer belongs to the simulation before.
+    } else if (changing_) {
       message_ = answer.problem;
-      due_ = step_.now;
     } else if (answer.problem.empty()) {
-      if (auto read = read_live_state(answer.body)) state_ = std::move(read);
+      if (auto read = read_live_state(answer.body)) {
+        state_ = std::move(read);
+        state_->url = url_;
+      }
     }
     if (state_) state_->message = message_;
     step_.frame.news = true;

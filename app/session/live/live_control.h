@@ -28,10 +28,14 @@ struct LiveState {
   std::vector<std::string> fields;
   std::string field;    // that is shown
   std::string message;  // why the last change was refused; empty if it was not
+  std::string url;      // of the JSON resource
 };
 
 /// Parses the JSON resource of a simulation. Returns nullopt for other texts. Safe for untrusted texts.
 [[nodiscard]] std::optional<LiveState> read_live_state(std::string_view json);
+
+/// Returns the query that gives a parameter a value.
+[[nodiscard]] std::string parameter_query(std::string_view name, double value);
 
 /// Steering of the simulation that the active viewport shows. Polls its JSON resource once per second on other threads,
 /// and sends changes. One thread; none in simulated time.
@@ -67,6 +71,7 @@ class LiveControl : NonCopyable {
   std::vector<std::pair<std::string, std::string>> changes_;  // queries and tokens, oldest first
   std::string message_;
   bool changing_ = false;  // `coming_` is a change
+  bool stale_ = false;     // `coming_` is of another simulation than `url_`
   std::future<SmallAnswer> coming_;
 };
 

@@ -146,6 +146,7 @@ TEST_CASE("in situ server: names of fields cannot leave the folder or the world"
   CHECK(stream_file_name(stream, 1'234'567) == "___a__b__c-surface.1234567.qnv");
   stream.field.clear();
   CHECK(stream_file_name(stream, 0) == "surface.000000.qnv");
+  CHECK(stream_file_name(stream, 0, {"surface.000000.qnv"}) == "surface-2.000000.qnv");
   const std::string world = world_of_streams("a \" ] \\ \n", 1, 0.5, {stream}, {"surface.000001.qnv"});
   CHECK(world.find("title \"a \\\" ] \\\\ , step 1, time 0.5\"") != std::string::npos);
 }

@@ -392,6 +392,15 @@ TEST_CASE("follows, checks and counts redirects") {
     CHECK(evil.error->message ==
           std::string("cannot load memory:evil: the server redirects to ") + target + "; expected http or https");
   }
+  Request secret, post;
+  secret.url = post.url = "memory:/c";
+  secret.authorization = "Bearer abc";
+  post.post = true;
+  for (const Request& request : {secret, post}) {
+    const Outcome& refused = bench.load(request);
+    REQUIRE(refused.error);
+    CHECK(refused.error->message == "cannot load memory:/c: the server redirects the request; expected an answer");
+  }
   to("memory:long", std::string(10'000, 'x'));
   CHECK(bench.load("memory:long").error->kind == LoadErrorKind::bad_response);
 }

@@ -31,6 +31,8 @@ class FileBatches {
   FileBatches(ReadFiles read, ListFolder list, NeedBytes need = {})
       : read_(std::move(read)), list_(std::move(list)), need_(std::move(need)) {}
 
+  /// Forgets the batch that an earlier child did not complete.
+  void begin_child() { batch_.clear(); }
   /// Returns the answer to a text of is_file_request(). Trusts nothing: returns nullopt for texts that no honest child
   /// sends.
   [[nodiscard]] std::optional<BytesResult> answer(const std::string& text);

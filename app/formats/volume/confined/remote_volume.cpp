@@ -67,6 +67,7 @@ std::variant<std::vector<std::byte>, std::string> RemoteVolume::start() {
   const std::uint64_t memory = std::max(DecoderProcess::kMemory, budget_->limits().memory + kWorkingMemory);
   const DecoderKind kind = needs_dataset_module(path_, file_.bytes) ? DecoderKind::datasets : DecoderKind::volumes;
   process_ = std::make_unique<DecoderProcess>(program_, kind, descriptor, memory);
+  files_.begin_child();
   const std::vector<std::byte> head = transfer_bytes(request_);
   if ((descriptor < 0 && !process_->load(file_.bytes)) || !process_->put_result(head))
     return std::string("no memory to read it");

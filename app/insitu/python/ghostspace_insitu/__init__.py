@@ -288,10 +288,14 @@ class Session:
         self._handle = library.gs_insitu_open(ctypes.byref(values), table, error, len(error))
         if not self._handle:
             raise Error(error.value.decode(errors="replace"))
-        for one in parameters:
-            made = _Parameter(ctypes.sizeof(_Parameter), _bytes(one.name), _bytes(one.label), _bytes(one.unit),
-                              one.minimum, one.maximum, one.value, int(one.integer), 0)
-            self._check(library.gs_insitu_add_parameter(self._handle, ctypes.byref(made)))
+        try:
+            for one in parameters:
+                made = _Parameter(ctypes.sizeof(_Parameter), _bytes(one.name), _bytes(one.label), _bytes(one.unit),
+                                  one.minimum, one.maximum, one.value, int(one.integer), 0)
+                self._check(library.gs_insitu_add_parameter(self._handle, ctypes.byref(made)))
+        except Exception:
+            self.close()  # nobody else can
+            raise
 
     def __enter__(self):
         return self
@@ -375,7 +379,7 @@ class Session:
 
     def cells(self, points, connectivity, offsets, types, fields=None, cell_fields=None, ghosts=None, units=None):
         """Passes unstructured cells: points [n][3], and connectivity, offsets and types as in VTK."""
-        at, joins, begins = self._packed("points", points), self._packed("connectivity", connectivity), None
+        at, joins = self._packed("points", points), self._packed("connectivity", connectivity)
         begins, kinds = self._packed("offsets", offsets), self._packed("types", types)
         if at.type not in (_FLOAT32, _FLOAT64):
             raise ValueError("the points are no floating-point numbers; expected float32 or float64")

@@ -99,6 +99,12 @@ TEST_CASE("live data: the JSON of a simulation is read, and wrong entries are le
   CHECK(bounded->parameters[0].name.size() == 100);
 }
 
+TEST_CASE("live data: simulations understand the values that are sent") {
+  CHECK(parameter_query("feed", 0.05) == "feed=0.05");
+  CHECK(parameter_query("steps", 100'000) == "steps=1e%2B05");
+  CHECK(parameter_query("a b", -2) == "a%20b=-2");
+}
+
 TEST_CASE("live data: the token comes from the user's file for the port, for this machine only") {
   const ScratchFolder folder;
   const LiveEnvironment environment(folder.path(""));
@@ -125,6 +131,7 @@ TEST_CASE("live data: a world of a simulation is followed, and the Data panel ch
   REQUIRE(user.wait_for([&] { return session.view() && session.view()->document->world.title == "run, step 0"; }));
   CHECK(session.view()->document->world.live == "insitu.json");
   REQUIRE(user.wait_for([&] { return session.live().state() != nullptr; }));
+  CHECK(session.live().state()->url == simulation.url() + "insitu.json");
   user.press(letter_key('D'), true, true);
   user.settle();
   INFO(user.screen());

@@ -102,6 +102,9 @@ TEST_CASE("file requests: A child gets parts of its own file and no others") {
   FileBatches mixed(served.read(), nullptr);
   CHECK(mixed.answer("|m|0|5|"));
   CHECK_FALSE(mixed.answer("|e|0|5|b"));
+  // A child that ended in a batch does not disturb the next one.
+  mixed.begin_child();
+  CHECK(mixed.answer("|m|0|5|b"));
   CHECK(served.calls == 0);
 }
 
