@@ -210,7 +210,8 @@ void MpiTeam::end_together() {
 std::string MpiTeam::hidden_errors() const {
   if (errors_ < 0) return {};
   std::string text(1000, '\0');
-  const ssize_t got = ::pread(errors_, text.data(), text.size(), 0);
+  const off_t end = ::lseek(errors_, 0, SEEK_END), most = static_cast<off_t>(text.size());
+  const ssize_t got = ::pread(errors_, text.data(), text.size(), std::max<off_t>(0, end - most));
   text.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
   while (!text.empty() && text.back() == '\n') text.pop_back();
   const std::size_t line = text.rfind('\n');
