@@ -135,10 +135,10 @@ class LevelsReader {
   std::optional<std::string> read(SplatModel& model) {
     std::string last = "no file of its levels can be read";
     for (std::size_t attempt = 0; attempt < kMostFailures; ++attempt) {
+      model = {};  // frees the memory of the attempt before, so that the choice may use it
+      model.format = "streamed SOG";
       const auto chosen = choose();
       if (chosen.empty()) break;
-      model = {};
-      model.format = "streamed SOG";
       const auto failed = read_runs(chosen, model);
       if (!failed) {
         if (levels_.environment)
