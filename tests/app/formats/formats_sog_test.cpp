@@ -341,6 +341,17 @@ TEST_CASE("takes another level of streamed SOG if a file is missing") {
   CHECK(none.diagnostics.errors() == 1);
 }
 
+TEST_CASE("reads streamed SOG without its environment if that is missing") {
+  std::string meta = kTwoLevels;
+  meta.replace(meta.find("null"), 4, "\"env/meta.json\"");
+  const Files files = two_levels(meta);
+  const ReadLevels read = read_levels(files.at("lod-meta.json"), files);
+  REQUIRE(std::holds_alternative<qnv::Gaussians>(read.asset));
+  CHECK(std::get<qnv::Gaussians>(read.asset).size() == 2);
+  REQUIRE(read.diagnostics.entries().size() == 1);
+  CHECK(read.diagnostics.entries()[0].message == "env/meta.json is missing; the environment is left out");
+}
+
 TEST_CASE("keeps the fine levels of other parts of streamed SOG if a file is missing and memory is short") {
   const Files files = two_levels(
       "{\"version\":1,\"lodLevels\":2,\"filenames\":[\"0_0/meta.json\",\"1_0/meta.json\",\"2_0/meta.json\"],\"tree\":"
