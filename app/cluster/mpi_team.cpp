@@ -21,7 +21,8 @@
 namespace gs::app {
 namespace {
 
-/// Output through MPI-IO. Each rank collects its bytes, and all of them write one piece at a time together.
+/// Output through MPI-IO. Each rank collects its bytes, and all of them write one piece at a time together. Only
+/// finish() closes the file: closing waits for all ranks, but a rank that fails alone must end without them.
 class MpiFile final : public TeamFile {
  public:
   MpiFile(MPI_File file, bool has_front, std::uint64_t& written)
@@ -30,9 +31,7 @@ class MpiFile final : public TeamFile {
   }
   MpiFile(const MpiFile&) = delete;
   MpiFile& operator=(const MpiFile&) = delete;
-  ~MpiFile() override {
-    if (file_ != MPI_FILE_NULL) MPI_File_close(&file_);
-  }
+  ~MpiFile() override = default;
 
   bool write(std::span<const std::byte> bytes) override {
     while (!bytes.empty() && !failed_) {
@@ -60,9 +59,10 @@ class MpiFile final : public TeamFile {
     if (!front_.empty() && !failed_) put(0, front_);
     int failed = failed_ ? 1 : 0, any = 0;
     MPI_Allreduce(&failed, &any, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
-    const bool closed = MPI_File_sync(file_) == MPI_SUCCESS && MPI_File_close(&file_) == MPI_SUCCESS;
-    file_ = MPI_FILE_NULL;
-    if (any == 0 && closed) return std::nullopt;
+    // All ranks close the file, because closing waits for all.
+    const bool synced = MPI_File_sync(file_) == MPI_SUCCESS, closed = MPI_File_close(&file_) == MPI_SUCCESS;
+    if (any == 0 && synced && closed) return std::nullopt;
+    if (any == 0) reason_ = "the file system refuses some bytes";
     return "cannot write the stream: " + (reason_.empty() ? std::string("another rank failed") : reason_);
   }
 
@@ -210,7 +210,8 @@ void MpiTeam::end_together() {
 std::string MpiTeam::hidden_errors() const {
   if (errors_ < 0) return {};
   std::string text(1000, '\0');
-  const ssize_t got = ::pread(errors_, text.data(), text.size(), 0);
+  const off_t end = ::lseek(errors_, 0, SEEK_END), most = static_cast<off_t>(text.size());
+  const ssize_t got = ::pread(errors_, text.data(), text.size(), std::max<off_t>(0, end - most));
   text.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
   while (!text.empty() && text.back() == '\n') text.pop_back();
   const std::size_t line = text.rfind('\n');

@@ -60,7 +60,7 @@ class TogetherEncoding {
   qnv::Ranks& ranks_;
   std::string folder_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  ProgressBar progress_{true};
+  ProgressBar progress_{leads()};  // the hidden output of the others is for errors
   std::optional<EncodeInput> opened_;
   bool shared_ = false;  // all processes encode parts; otherwise rank 0 encodes
   std::unique_ptr<PartStore> store_;

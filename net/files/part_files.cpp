@@ -22,6 +22,7 @@ namespace {
 // result, checksum of the record.
 constexpr std::uint32_t kWorkMark = 0x4b575347;
 constexpr std::size_t kWorkHead = 32;
+constexpr std::size_t kMostKey = std::size_t{64} << 20;  // a key has a line per input file
 constexpr std::size_t kMostWorkName = 256;
 constexpr std::size_t kMostWorkResult = std::size_t{1} << 30;
 constexpr std::string_view kDataEnding = ".data", kListEnding = ".done", kKeyFile = "key", kStreamFile = "stream",
@@ -68,7 +69,7 @@ void each_entry(const std::string& folder, const Visit& visit) {
 std::optional<std::string> key_of(const std::string& folder) {
   const Descriptor file(::open((folder + "/" + std::string(kKeyFile)).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   struct stat status {};
-  if (!file || ::fstat(file.get(), &status) != 0 || status.st_size > 4096) return std::nullopt;
+  if (!file || ::fstat(file.get(), &status) != 0 || status.st_size > static_cast<off_t>(kMostKey)) return std::nullopt;
   std::string text(static_cast<std::size_t>(status.st_size), '\0');
   return read_at(file.get(), 0, std::as_writable_bytes(std::span(text))) ? std::optional(text) : std::nullopt;
 }

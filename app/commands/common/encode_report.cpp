@@ -57,8 +57,18 @@ std::optional<EncodeInput> open_encode_input(const ConversionOptions& options, P
     return std::nullopt;
   }
   if (auto* const volume = std::get_if<qnv::VolumeSource>(&input->content); volume && options.most_voxels > 0)
-    if (const auto step = step_for_voxels(volume->layout, options.most_voxels); step > 1)
-      input->content = thinned(*volume, step);
+    if (const auto step = step_for_voxels(volume->layout, options.most_voxels); step > 1) {
+      qnv::VolumeSource coarse = thinned(*volume, step);
+      if (steps.size() > 1) {
+        // The encoder rejects a step of another size.
+        for (const qnv::VolumeSource& one : volume->steps)
+          coarse.steps.push_back(one.layout.dimensions == volume->layout.dimensions ? thinned(one, step) : one);
+        coarse.times = volume->times;
+      } else if (volume->steps.size() > 1) {
+        input->losses.push_back("--most-voxels keeps one of " + std::to_string(volume->steps.size()) + " steps");
+      }
+      input->content = std::move(coarse);
+    }
   return EncodeInput{std::move(steps), std::move(*input)};
 }
 

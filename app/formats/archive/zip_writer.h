@@ -12,6 +12,8 @@ class ZipWriter {
  public:
   /// Appends a file. The archive must stay below 4 GiB, and have less than 65,535 files.
   void add(const std::string& name, std::span<const std::byte> bytes);
+  /// Returns the bytes of the files so far, without the directory.
+  [[nodiscard]] std::size_t size() const { return archive_.size(); }
   /// Returns the archive with its directory. Call once, after all files.
   [[nodiscard]] std::vector<std::byte> take();
 

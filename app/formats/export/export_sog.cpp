@@ -28,6 +28,7 @@ using SogJson = nlohmann::ordered_json;
 
 constexpr std::size_t kMostSogSide = 16383;  // pixels of a WebP image
 constexpr std::size_t kSogPaletteUnit = 1024, kMostSogPalette = 65536, kSogCentersPerRow = 64;
+constexpr std::size_t kMostSogBytes = (std::size_t{1} << 32) - (1 << 16);  // of a ZIP archive, beside its directory
 constexpr float kLeastLogScale = -20, kMostLogScale = 40;
 constexpr int kSogMethod = 4;         // of WebP: 0 is fast, 9 is small
 constexpr float kMinSogSteps = 4096;  // as for SPZ: fewer steps across content far from 0 would deform it
@@ -120,6 +121,7 @@ class SogBuilder {
     archive.add("meta.json", std::as_bytes(std::span(text)));
     for (std::size_t i = 0; i < files.size(); ++i) {
       if (!files[i]) return "libwebp cannot compress " + images_[i].first;
+      if (files[i]->size() > kMostSogBytes - archive.size()) return "SOG is limited to 4 GiB; expected fewer splats";
       archive.add(images_[i].first, *files[i]);
     }
     return archive.take();

@@ -135,25 +135,26 @@ class LevelsReader {
   std::optional<std::string> read(SplatModel& model) {
     std::string last = "no file of its levels can be read";
     for (std::size_t attempt = 0; attempt < kMostFailures; ++attempt) {
+      model = {};  // frees the memory of the attempt before, so that the choice may use it
+      model.format = "streamed SOG";
       const auto chosen = choose();
       if (chosen.empty()) break;
-      model = {};
-      model.format = "streamed SOG";
       const auto failed = read_runs(chosen, model);
       if (!failed) {
         if (levels_.environment)
-          if (auto problem = append(*levels_.environment, nullptr, model)) problems.push_back(std::move(*problem));
+          if (const auto problem = append(*levels_.environment, nullptr, model))
+            problems.push_back(*problem + "; the environment is left out");
         model.announced = model.size();
         return std::nullopt;
       }
       missing_[failed->first] = true;
       last = failed->second;
-      problems.push_back(std::move(failed->second));
+      problems.push_back(last + "; another level replaces it");
     }
     return last;
   }
 
-  std::vector<std::string> problems;        // of files that were left out
+  std::vector<std::string> problems;        // files that were left out, as messages
   std::size_t chosen_count = 0, whole = 0;  // splats of the chosen and of the finest levels
 
  private:
@@ -254,7 +255,7 @@ ImportedVectors import_levels(const ImportSource& source, std::span<const std::b
   const auto warn = [&](std::string message) {
     source.diagnostics.add({Severity::warning, source.path, {}, std::move(message)});
   };
-  for (const std::string& problem : reader.problems) warn(problem + "; another level replaces it");
+  for (const std::string& problem : reader.problems) warn(problem);
   if (reader.chosen_count < reader.whole && reader.problems.empty())
     warn("coarser levels of " + std::to_string(reader.chosen_count) + " splats replace those of " +
          std::to_string(reader.whole) + ", which need " + source.budget->refusal(Resource::vectors));

@@ -92,7 +92,7 @@ bool SplatEdits::follow(Document& document, const std::function<void()>& wake) {
     failed_.reset();
   }
   bool changed = false;
-  if (coming_.valid() && coming_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+  if (coming_.valid() && (came_ || coming_.wait_for(std::chrono::seconds(0)) == std::future_status::ready)) {
     Made made = coming_.get();
     if (made.of.lock() == original_) {
       removed_ = made.removed;
@@ -118,18 +118,20 @@ bool SplatEdits::follow(Document& document, const std::function<void()>& wake) {
 }
 
 void SplatEdits::begin(Document& document, std::function<void()> wake) {
-  coming_ = std::async(
-      std::launch::async,
-      [original = original_, edit = edit_, budget = document.world.scene->budget(), wake = std::move(wake)]() -> Made {
-        Made made{nullptr, original, edit, {}};
-        if (has_room_for(*original, *budget)) {
-          qnv::Gaussians splats = *original->as<qnv::Gaussians>();
-          made.removed = edit_splats(splats, edit);
-          made.geometry = hold_geometry(std::move(splats), budget);
-        }
-        if (wake) wake();
-        return made;
-      });
+  came_ = false;
+  coming_ = std::async(std::launch::async,
+                       [this, original = original_, edit = edit_, budget = document.world.scene->budget(),
+                        wake = std::move(wake)]() -> Made {
+                         Made made{nullptr, original, edit, {}};
+                         if (has_room_for(*original, *budget)) {
+                           qnv::Gaussians splats = *original->as<qnv::Gaussians>();
+                           made.removed = edit_splats(splats, edit);
+                           made.geometry = hold_geometry(std::move(splats), budget);
+                         }
+                         came_ = true;  // the next step may begin before the future is ready
+                         if (wake) wake();
+                         return made;
+                       });
 }
 
 void SplatEdits::show(Document& document, const OnlySplats& place, Shared geometry, const SplatEdit& edit) {

@@ -7,6 +7,7 @@
 #include "base/noncopyable.h"
 #include "qnv/base/geometry.h"
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -89,6 +90,7 @@ class SplatEdits : NonCopyable {
   std::string problem_;
   SplatExtent extent_;
   std::weak_ptr<const qnv::Geometry> extent_of_;
+  std::atomic<bool> came_ = false;  // `coming_` is ready, or returns at once
   std::future<Made> coming_;
 };
 

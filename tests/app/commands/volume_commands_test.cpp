@@ -138,6 +138,11 @@ TEST_CASE("encode: keeps every nth voxel of a volume with --most-voxels") {
   REQUIRE(run("encode --lossless --most-voxels 1M " + quoted(volume) + " " + quoted(stream)).status == kDone);
   REQUIRE(run("export " + quoted(stream) + " " + quoted(out)).status == kDone);
   CHECK(ReadVolume(out).values == fine.values);
+  const std::string second = folder.write("b.nrrd", nrrd_ball<std::uint16_t>("uint16", 30'000));
+  const Run series =
+      run("encode --lossless --most-voxels 600 " + quoted(volume) + " " + quoted(second) + " " + quoted(stream));
+  INFO(series.output);
+  CHECK(series.output.find("2 steps of values of 512 voxels, exact") != std::string::npos);
   const std::string mesh = folder.write("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
   const Run refused = run("encode --most-voxels 9 " + quoted(mesh) + " " + quoted(stream));
   CHECK(refused.status == kFailed);

@@ -192,14 +192,14 @@ struct ReadLevels {
   Asset asset;
   Diagnostics diagnostics;
 };
-ReadLevels read_levels(const Bytes& bytes, const Files& beside = {}) {
+ReadLevels read_levels(const Bytes& bytes, const Files& beside = {}, const WorldBudget& budget = own_budget()) {
   ReadLevels result;
   const ReadFile read = [&](const std::string& reference) -> BytesResult {
     const auto found = beside.find(reference);
     if (found == beside.end()) return reference + " is missing";
     return shared_bytes(std::vector<std::byte>(found->second.begin(), found->second.end()));
   };
-  result.asset = read_splats_sog_levels({bytes, "lod-meta.json", read, own_budget(), result.diagnostics});
+  result.asset = read_splats_sog_levels({bytes, "lod-meta.json", read, budget, result.diagnostics});
   return result;
 }
 
@@ -339,6 +339,34 @@ TEST_CASE("takes another level of streamed SOG if a file is missing") {
   const ReadLevels none = read_levels(files.at("lod-meta.json"), files);
   CHECK(std::holds_alternative<std::monostate>(none.asset));
   CHECK(none.diagnostics.errors() == 1);
+}
+
+TEST_CASE("reads streamed SOG without its environment if that is missing") {
+  std::string meta = kTwoLevels;
+  meta.replace(meta.find("null"), 4, "\"env/meta.json\"");
+  const Files files = two_levels(meta);
+  const ReadLevels read = read_levels(files.at("lod-meta.json"), files);
+  REQUIRE(std::holds_alternative<qnv::Gaussians>(read.asset));
+  CHECK(std::get<qnv::Gaussians>(read.asset).size() == 2);
+  REQUIRE(read.diagnostics.entries().size() == 1);
+  CHECK(read.diagnostics.entries()[0].message == "env/meta.json is missing; the environment is left out");
+}
+
+TEST_CASE("keeps the fine levels of other parts of streamed SOG if a file is missing and memory is short") {
+  const Files files = two_levels(
+      "{\"version\":1,\"lodLevels\":2,\"filenames\":[\"0_0/meta.json\",\"1_0/meta.json\",\"2_0/meta.json\"],\"tree\":"
+      "{\"children\":["
+      "{\"lods\":{\"0\":{\"file\":0,\"offset\":0,\"count\":1},\"1\":{\"file\":1,\"offset\":1,\"count\":1}}},"
+      "{\"lods\":{\"0\":{\"file\":2,\"offset\":0,\"count\":1},\"1\":{\"file\":1,\"offset\":1,\"count\":1}}}]}}");
+  const auto budget = std::make_shared<Budget>();
+  Share others(budget, Resource::vectors);
+  REQUIRE(others.grow(budget->left(Resource::vectors) - 2300));  // enough for two splats
+  const ReadLevels read = read_levels(files.at("lod-meta.json"), files, budget);
+  REQUIRE(std::holds_alternative<qnv::Gaussians>(read.asset));
+  const auto& splats = std::get<qnv::Gaussians>(read.asset);
+  REQUIRE(splats.size() == 2);
+  CHECK(splats.opacities[0] == Approx(0.2f));
+  CHECK(splats.opacities[1] == Approx(0.8f));
 }
 
 TEST_CASE("reports what is damaged in the list of streamed SOG") {

@@ -114,5 +114,16 @@ TEST_CASE("part files: Only the same task is resumed, and foreign files stay") {
   std::filesystem::remove_all(top);
 }
 
+TEST_CASE("part files: The task may have many input files") {
+  const std::string top = new_folder(), folder = top + "/out.parts", task(300'000, 'x');
+  REQUIRE_FALSE(prepare_part_folder(folder, task, false));
+  CHECK_FALSE(prepare_part_folder(folder, task, true));
+  CHECK(prepare_part_folder(folder, task + "y", true));
+  CHECK_FALSE(prepare_part_folder(folder, task, false));
+  remove_part_folder(folder);
+  CHECK_FALSE(std::filesystem::exists(folder));
+  std::filesystem::remove_all(top);
+}
+
 }  // namespace part_files_test
 }  // namespace gs::net

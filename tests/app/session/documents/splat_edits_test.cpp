@@ -7,6 +7,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <chrono>
+#include <future>
 #include <string>
 #include <variant>
 #include <vector>
@@ -90,6 +92,19 @@ TEST_CASE("shows an empty picture if an edit removes all splats, and all of them
   REQUIRE(it.shows(0));
   it.edits().set({}, 1002, 2);
   REQUIRE(it.shows(300));
+}
+
+TEST_CASE("takes edited splats in the first step after the thread that makes them wakes the program") {
+  SplatUser it;
+  std::promise<void> woken, done;
+  it.edits().set(crop_of(0.5), 1001, 1);
+  CHECK_FALSE(it.edits().follow(it.document(), [&] {
+    woken.set_value();
+    done.get_future().wait_for(std::chrono::milliseconds(50));  // the future is not ready yet
+  }));
+  woken.get_future().wait();
+  CHECK(it.edits().follow(it.document(), nullptr));
+  CHECK_FALSE(it.edits().busy());
 }
 
 TEST_CASE("knows the extent of the splats before the edit") {
