@@ -42,7 +42,7 @@ WorldSaver::WorldSaver(Parts parts, std::string not_kept, std::function<void()> 
       wake_(std::move(wake)) {}
 
 // Returns the path that the dialog proposes: the world's own path for VRML97 and X3D, else with the extension .wrl.
-// Splats get a name of their own, because no format is saved in place.
+// Edited splats get a new name, because no format of splats is saved in place.
 std::string WorldSaver::proposed_path() const {
   const std::string& own = document_->world.path;
   std::string name = file_label(own);

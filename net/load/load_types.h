@@ -48,7 +48,7 @@ struct Request {
   Origin from;  // origin of the document with the reference
   Validator validator;  // if not empty, only this version of the resource is accepted
   CacheUse cache = CacheUse::normal;
-  bool post = false;          // HTTP: sends POST without a body. It may be sent twice if a connection breaks
+  bool post = false;          // HTTP: sends POST without a body, perhaps twice if a connection breaks
   std::string authorization;  // HTTP: value of the field Authorization; empty means none
 };
 

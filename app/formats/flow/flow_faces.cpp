@@ -13,10 +13,10 @@ namespace {
 constexpr std::uint32_t kArrowSides = 6;
 constexpr std::size_t kMaxPointArrows = 2000;
 
-/// Points that are the nearest ones to the centres of cubes, one per cube.
+/// Point nearest to the centre of each cube of a grid, with its squared distance.
 using PointsOfCubes = std::unordered_map<std::uint64_t, std::pair<std::uint32_t, float>>;
 
-/// Chooses a point for each cube of an edge. Returns nothing if more than `most` cubes have points.
+/// Chooses one point in each cube of size `edge`. Returns no points if more than `most` cubes have points.
 PointsOfCubes thinned(std::span<const glm::vec3> points, std::span<const std::uint32_t> usable, const glm::vec3& lower,
                       float edge, std::size_t most) {
   PointsOfCubes chosen;
@@ -82,7 +82,7 @@ void FlowFaces::build(const std::string& title) {
 
 
 void FlowFaces::add_arrow(const glm::dvec3& tail, const glm::dvec3& vector, float value) {
-  constexpr double kShaft = 0.045, kHead = 0.13, kNeck = 0.65;  // radii and place, as parts of the length
+  constexpr double kShaft = 0.045, kHead = 0.13, kNeck = 0.65;  // radii and start of the head, as shares of the length
   const double length = glm::length(vector);
   const glm::dvec3 along = vector / length;
   const auto sides = across(along);
@@ -125,14 +125,14 @@ void add_point_arrows(std::span<const glm::vec3> points, std::span<const glm::ve
   }
   const glm::vec3 size = upper - lower;
   const float largest = std::max({size.x, size.y, size.z});
-  // Cubes grow until few enough have points.
+  // Enlarges the cubes until at most kMaxPointArrows have points.
   PointsOfCubes chosen;
   float edge = largest > 0 ? largest / 64 : 1;
   while ((chosen = thinned(points, usable, lower, edge, kMaxPointArrows)).empty()) edge *= kGrowth;
   std::vector<std::uint32_t> order;
   for (const auto& [cube, point] : chosen) order.push_back(point.first);
   std::sort(order.begin(), order.end());
-  // Arrows are as long as their distances: cubes of that size join many of them.
+  // Estimates the distance between arrows, which scales their length: the cube size that joins many of them.
   for (const auto many = static_cast<std::size_t>(static_cast<float>(order.size()) * kJoined);
        edge < largest / 8 && thinned(points, order, lower, edge, order.size()).size() > many;)
     edge *= kGrowth;

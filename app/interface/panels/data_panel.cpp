@@ -43,7 +43,7 @@ std::string data_facts(const DatasetEntry& entry) {
   return facts;
 }
 
-/// Returns a text for formats of printf.
+/// Escapes a text for use in a printf format.
 std::string percent_free(std::string text) {
   std::erase(text, '%');
   return text;

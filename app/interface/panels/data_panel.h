@@ -36,7 +36,7 @@ class DataPanel final : public Panel {
   std::optional<int> step_;            // that the user drags
   std::array<double, 2> range_{0, 1};  // that the user types
   std::array<double, 2> range_of_{0, 1};
-  std::string live_name_, live_token_;  // parameter that the user drags; token that the user types
+  std::string live_name_, live_token_;  // name of the dragged parameter; token that the user typed
   double live_value_ = 0;
   bool popup_ = false, close_popup_ = false;
 };

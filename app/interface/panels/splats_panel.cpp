@@ -13,8 +13,8 @@ namespace gs::app {
 namespace {
 
 constexpr float kSplatLabel = 76, kSplatReading = 76;  // at scale 1
-constexpr float kSmallestShare = 1e-4f;                // of the largest splat, at the left end of the slider
-constexpr double kDragShare = 0.002;                   // of the size of the scene, for one pixel
+constexpr float kSmallestShare = 1e-4f;                // left end of the size slider, relative to the largest splat
+constexpr double kDragShare = 0.002;                   // distance for a drag of one pixel, relative to the scene
 constexpr float kShownStops = 4;
 
 void splat_label(const char* what, float scale) {

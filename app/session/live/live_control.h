@@ -26,15 +26,15 @@ struct LiveParameter {
 struct LiveState {
   std::vector<LiveParameter> parameters;
   std::vector<std::string> fields;
-  std::string field;    // that is shown
-  std::string message;  // why the last change was refused; empty if it was not
+  std::string field;    // shown field
+  std::string message;  // reason why the last change was refused; empty if it was accepted
 };
 
 /// Parses the JSON resource of a simulation. Returns nullopt for other texts. Safe for untrusted texts.
 [[nodiscard]] std::optional<LiveState> read_live_state(std::string_view json);
 
-/// Steering of the simulation that the active viewport shows. Polls its JSON resource once per second on other threads,
-/// and sends changes. One thread; none in simulated time.
+/// Control of the simulation in the active viewport. Polls its JSON resource once per second on other threads, and
+/// sends changes. One thread. Does nothing in simulated time.
 class LiveControl : NonCopyable {
  public:
   static constexpr double kWait = 1;
@@ -50,7 +50,7 @@ class LiveControl : NonCopyable {
   [[nodiscard]] std::optional<double> next_due() const;
   /// Returns the simulation of the active viewport; null if there is none.
   [[nodiscard]] const LiveState* state() const { return state_ ? &*state_ : nullptr; }
-  /// Requests a change, such as "feed=0.03" or "field=V". An empty `token` means the one of this user's machine.
+  /// Requests a change, such as "feed=0.03" or "field=V". If `token` is empty, uses token_of_simulation().
   void change(const std::string& query, const std::string& token);
 
  private:
@@ -66,12 +66,12 @@ class LiveControl : NonCopyable {
   double due_ = 0;
   std::vector<std::pair<std::string, std::string>> changes_;  // queries and tokens, oldest first
   std::string message_;
-  bool changing_ = false;  // `coming_` is a change
+  bool changing_ = false;  // the request of `coming_` is a change
   std::future<SmallAnswer> coming_;
 };
 
 /// Returns the token for a simulation on this machine, from its file (net::usual_token_file). Returns "" for other
-/// hosts, or if the file is missing or is no token.
+/// hosts, or if the file is missing or invalid.
 [[nodiscard]] std::string token_of_simulation(const std::string& url);
 
 }  // namespace gs::app
