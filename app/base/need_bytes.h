@@ -16,8 +16,8 @@ struct ByteSpan {
   friend bool operator==(const ByteSpan&, const ByteSpan&) = default;
 };
 
-/// Function that makes parts of a file readable, which a server has. It reads all of them at once. Until then, these
-/// bytes are zeros. Returns false if a part cannot be read. Null means that the whole file is readable.
+/// Function that receives parts of a file from a server, all of them at once. Bytes that were not received read as
+/// zeros. Returns false if a part cannot be received. Null means that the whole file is readable.
 using NeedBytes = std::function<bool(std::span<const ByteSpan> parts)>;
 
 /// Makes a part of a file readable. Returns false on failure.
@@ -26,12 +26,12 @@ using NeedBytes = std::function<bool(std::span<const ByteSpan> parts)>;
   return !need || need({&part, 1});
 }
 
-/// Collects parts of a file and makes many of them readable at once. Their offsets should ascend.
+/// Collector of parts of a file, which makes many of them readable at once. Their offsets should ascend.
 class NeededParts {
  public:
   explicit NeededParts(const NeedBytes& need) : need_(need) {}
 
-  /// Adds a part. Joins it with the part before if the gap is short. Returns false if parts cannot be read.
+  /// Adds a part, or extends the previous part if the gap is short. Returns false if parts cannot be read.
   [[nodiscard]] bool add(std::uint64_t offset, std::uint64_t bytes) {
     constexpr std::uint64_t kShortGap = 4096;
     constexpr std::size_t kMostTogether = 4096;
@@ -48,19 +48,19 @@ class NeededParts {
     parts_.push_back({offset, bytes});
     return true;
   }
-  /// Makes the parts readable that were added last.
+  /// Makes the remaining added parts readable. Returns false on failure.
   [[nodiscard]] bool finish() {
     const bool good = parts_.empty() || need_(parts_);
     parts_.clear();
     return good;
   }
 
-  /// Makes a box of an array readable. `steps` has the bytes from one element of an axis to the next one, `count` the
-  /// elements of the box, both slowest axis first. Elements of the last axis are `element` bytes apart.
+  /// Adds a box of an array. `steps` are the distances in bytes between neighbouring elements along each axis. `count`
+  /// is the size of the box. Both begin with the slowest axis. Elements of the last axis are `element` bytes apart.
   [[nodiscard]] bool add_box(std::uint64_t begin, std::span<const std::uint64_t> steps,
                              std::span<const std::uint64_t> count, std::uint64_t element) {
     if (!need_) return true;
-    // Axes with rows that follow each other form runs.
+    // Joins the innermost axes without gaps into runs.
     std::size_t outer = count.size();
     std::uint64_t run = element;
     while (outer > 0 && steps[outer - 1] == run) run *= count[--outer];

@@ -22,7 +22,7 @@ struct SharedBytes {
   std::shared_ptr<const void> owner;
   std::span<const std::byte> bytes;
   const net::MappedFile* file = nullptr;  // mapped file that owns the bytes, or null; other processes may change it
-  NeedBytes need{};                       // of a file of which a server has the rest; null if all bytes are there
+  NeedBytes need{};                       // receives missing bytes from a server; null if all bytes are present
 };
 [[nodiscard]] inline SharedBytes shared_bytes(std::vector<std::byte> bytes) {
   auto owner = std::make_shared<const std::vector<std::byte>>(std::move(bytes));

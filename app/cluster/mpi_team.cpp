@@ -55,7 +55,7 @@ class MpiFile final : public TeamFile {
   std::optional<std::string> finish() override {
     while (write_piece()) {
     }
-    // The front was in the first piece, which is written now.
+    // Overwrites the front after the first piece, which contains its preliminary bytes.
     if (!front_.empty() && !failed_) put(0, front_);
     int failed = failed_ ? 1 : 0, any = 0;
     MPI_Allreduce(&failed, &any, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
@@ -69,7 +69,7 @@ class MpiFile final : public TeamFile {
  private:
   static constexpr std::size_t kPieceBytes = std::size_t{8} << 20;
 
-  // Writes the collected bytes together with the other ranks, which may have none. Returns false if no rank has any.
+  // Writes the collected bytes. Collective; a rank may have no bytes. Returns false if no rank has bytes.
   bool write_piece() {
     int own = piece_.empty() ? 0 : 1, any = 0;
     MPI_Allreduce(&own, &any, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
@@ -108,13 +108,13 @@ class MpiFile final : public TeamFile {
   std::string reason_;
 };
 
-// Data of the signal handler: a file that the first process that ends creates, and where it prints.
+// Data of the signal handler: path of a file that the first ending process creates, and the output descriptor.
 std::array<char, 4096> end_mark{};
 int end_output = -1;
 bool end_leads = false;
-volatile std::sig_atomic_t end_agreed = 0;  // all processes end, after rank 0 has printed the reason
+volatile std::sig_atomic_t end_agreed = 0;  // 1 if all processes end together; rank 0 has printed the reason
 
-// MPI ends the other processes by SIGTERM if one dies, as batch systems do. One of them prints a line.
+// Handles SIGTERM, which MPI sends after a process died, and batch systems send to end a run. One process prints.
 extern "C" void end_process(int) {
   constexpr char kLine[] =
       "ghostspace-mpi: error: a process died, or the system ended the run; the output was not written, --resume "
@@ -155,7 +155,7 @@ std::vector<std::byte> MpiRanks::gather(std::span<const std::byte> own) {
                    MPI_COMM_WORLD);
     return bytes;
   }
-  // MPI counts with int. So each rank sends pieces to all others.
+  // MPI counts are int. For more bytes, each rank in turn broadcasts its bytes in pieces.
   std::uint64_t at = 0;
   for (std::uint32_t from = 0; from < count_; ++from)
     for (std::uint64_t done = 0; done < sizes[from];) {
@@ -171,7 +171,7 @@ std::vector<std::byte> MpiRanks::gather(std::span<const std::byte> own) {
 
 MpiTeam::Start::Start(int* count, char*** arguments) {
   int provided = 0;
-  // Only the thread that started calls MPI.
+  // Only the main thread calls MPI.
   MPI_Init_thread(count, arguments, MPI_THREAD_FUNNELED, &provided);
 }
 
@@ -192,7 +192,7 @@ MpiTeam::MpiTeam(int* count, char*** arguments) : start_(count, arguments) {
   ::sigaction(SIGTERM, &action, nullptr);
 }
 
-// The errors of all ranks would otherwise appear several times, or in the middle of each other.
+// Redirects the output of this rank, because errors of all ranks would appear several times or mixed.
 void MpiTeam::hide_output() {
   shown_ = ::fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 3);
   errors_ = ::memfd_create("errors", MFD_CLOEXEC);
@@ -227,7 +227,7 @@ std::unique_ptr<TeamFile> MpiTeam::create(const std::string& path) {
   const int result =
       MPI_File_open(MPI_COMM_WORLD, path.c_str(), MPI_MODE_CREATE | MPI_MODE_WRONLY, MPI_INFO_NULL, &file);
   if (result != MPI_SUCCESS) return nullptr;
-  MPI_File_set_size(file, 0);  // an earlier run may have left one
+  MPI_File_set_size(file, 0);  // removes the content of an earlier run
   if (mark.size() < end_mark.size()) std::ranges::copy(mark, end_mark.begin());
   return std::make_unique<MpiFile>(file, ranks_.rank() == 0, written_);
 }

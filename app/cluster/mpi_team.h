@@ -10,7 +10,7 @@
 
 namespace gs::app {
 
-/// Ranks of MPI_COMM_WORLD. Counts its messages.
+/// Rank of MPI_COMM_WORLD. Counts its messages.
 class MpiRanks final : public qnv::Ranks {
  public:
   /// MPI must be initialised.
@@ -28,12 +28,12 @@ class MpiRanks final : public qnv::Ranks {
   std::uint64_t messages_ = 0, sent_ = 0, largest_ = 0;  // of this rank
 };
 
-/// Processes that mpirun started. Ranks other than 0 show neither output nor errors, but keep the errors.
+/// Processes that mpirun started. Ranks other than 0 discard their output, and keep their errors hidden.
 class MpiTeam final : public EncodeTeam {
  public:
-  /// Initialises MPI. `arguments` identify the task, without --resume.
+  /// Initialises MPI. `arguments` without --resume identify the task.
   MpiTeam(int* count, char*** arguments);
-  /// Ends MPI. Unless all processes ended together, ends those that wait for this one, too.
+  /// Finalises MPI. Without end_together(), aborts the other processes, because they may wait for this one.
   ~MpiTeam() override;
   MpiTeam(const MpiTeam&) = delete;
   MpiTeam& operator=(const MpiTeam&) = delete;

@@ -16,7 +16,7 @@ int run_encode(const EncodeCommand& options);
 std::optional<std::string> check_encode(const EncodeCommand& options);
 
 class EncodeTeam;
-/// Encodes together with other processes. All of them return the same exit status; rank 0 prints.
+/// Encodes one stream with the other processes of a team. All of them return the same exit status; rank 0 prints.
 int encode_together(const EncodeCommand& options, EncodeTeam& team);
 
 /// Encodes polygons as outline groups (`encode --method outlines`).

@@ -21,10 +21,10 @@ namespace {
 
 using qnv::EncodeError;
 
-/// Status of an error that was printed, among the messages on which the processes agree.
+/// Message that marks an error as already printed, for agreed().
 constexpr char kPrinted[] = "\x01";
 
-// Returns a text that changes with the task and its input files.
+// Returns a text that identifies the version, the task, and the sizes and times of its input files.
 std::string key_of(const EncodeTeam& team, const std::vector<std::string>& files) {
   std::string key = "ghostspace " GHOSTSPACE_VERSION "\n" + team.task();
   for (const std::string& file : files) {
@@ -46,7 +46,7 @@ class TogetherEncoding {
 
  private:
   [[nodiscard]] bool leads() const { return ranks_.rank() == 0; }
-  /// Returns the status of all processes: that of the first one with an error, which rank 0 prints.
+  /// Returns true if no process has an error. Otherwise rank 0 prints the error of the first one. Collective.
   bool agreed(const std::optional<std::string>& own);
   bool open();
   bool prepare();
@@ -62,7 +62,7 @@ class TogetherEncoding {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   ProgressBar progress_{leads()};  // the hidden output of the others is for errors
   std::optional<EncodeInput> opened_;
-  bool shared_ = false;  // all processes encode parts; otherwise rank 0 encodes
+  bool shared_ = false;  // each process encodes a part; otherwise rank 0 encodes alone
   std::unique_ptr<PartStore> store_;
   std::unique_ptr<TeamFile> file_;
   qnv::EncodedStream stream_;
@@ -81,7 +81,7 @@ std::optional<std::string> TogetherEncoding::open_here() {
   return "rank " + std::to_string(ranks_.rank()) + ": " + team_.hidden_errors();
 }
 
-// Rank 0 opens the input first. The others need it only if they encode parts of it.
+// Opens the input on rank 0 first, and on the other ranks only if they encode parts of it.
 bool TogetherEncoding::open() {
   std::optional<std::string> problem;
   if (leads()) problem = open_here();
@@ -94,7 +94,7 @@ bool TogetherEncoding::open() {
   return agreed(problem);
 }
 
-// Returns an error if the slices that a rank holds exceed --memory.
+// Returns an error if the slices that a rank holds would exceed --memory.
 std::optional<std::string> TogetherEncoding::exceeds_memory() const {
   constexpr std::uint64_t kSlices = 64;  // of 4 bytes per voxel
   const auto& dimensions = std::get<qnv::VolumeSource>(opened_->input.content).layout.dimensions;

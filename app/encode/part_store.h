@@ -7,7 +7,7 @@
 
 namespace gs::app {
 
-/// Store of an encoder that shares its work with other processes: part files in a folder that all of them see.
+/// Store for an encoder that shares its work with other processes: part files in a folder that all of them can read.
 class PartStore final : public qnv::SpillStore {
  public:
   explicit PartStore(net::PartFiles files) : files_(std::move(files)) {}

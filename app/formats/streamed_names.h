@@ -8,10 +8,10 @@ namespace gs::app {
 /// Returns true if a file of this name can be encoded as a QNV stream.
 [[nodiscard]] bool can_be_encoded(std::string_view name);
 
-/// Extension of the stream of a file, after the name of the file.
+/// Extension that the stream of a file adds to the name of the file.
 inline constexpr std::string_view kStreamExtension = ".qnv";
-/// Extension of the stream of every n-th voxel of a volume, after the name of its file. A server that is reached by ssh
-/// makes it quickly, and offers it until the whole stream is made.
+/// Extension that the coarse stream of a volume, with every n-th voxel, adds to the name of the file. A server that is
+/// reached by ssh makes this stream quickly, and offers it until the complete stream is ready.
 inline constexpr std::string_view kCoarseExtension = ".coarse.qnv";
 
 /// Returns the name under which a server streams a file to viewers: that of the made stream, if the file has a format

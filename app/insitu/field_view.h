@@ -15,7 +15,7 @@ namespace gs::app::insitu {
 inline constexpr std::size_t kMaxNameBytes = 63;
 inline constexpr std::uint32_t kMaxComponents = 9;
 
-/// Array of the caller with its strides in bytes. Not a copy.
+/// View of an array of the caller, with strides in bytes.
 struct FieldView {
   std::string name, unit;
   const std::byte* data = nullptr;
@@ -30,13 +30,13 @@ struct FieldView {
   }
 };
 
-/// Checks a field and completes its strides for an array of `sizes` elements. Returns the problem otherwise.
+/// Checks a field, and completes its strides for an array of `sizes` elements. Returns the problem if it is invalid.
 [[nodiscard]] std::variant<FieldView, std::string> field_view(const gs_insitu_field& field,
                                                               const std::array<std::int64_t, 3>& sizes);
 
-/// Returns the bytes of a value of an array; 0 for an unknown type.
+/// Returns the number of bytes of a value; 0 for an unknown type.
 [[nodiscard]] std::size_t bytes_of(std::int32_t type);
-/// Returns the type of the values in streams. Streams have no 64-bit values, which become 32-bit floats.
+/// Returns the type of the values in streams. Values of 64 bits become 32-bit floats.
 [[nodiscard]] qnv::VoxelType stored_type(std::int32_t type);
 
 /// Copies `count` values that are `stride` bytes apart, and converts them to stored_type(type).

@@ -10,7 +10,7 @@
 namespace gs::app::insitu {
 namespace {
 
-// Messages have about so many bytes, so that buffers stay small.
+// Approximate size of a message, small to bound the buffers.
 constexpr std::size_t kMessageBytes = std::size_t{1} << 20;
 
 void fill_missing(qnv::VoxelType type, std::span<std::byte> values) {
@@ -22,7 +22,7 @@ void fill_missing(qnv::VoxelType type, std::span<std::byte> values) {
   for (std::size_t i = 0; i + sizeof nan <= values.size(); i += sizeof nan) std::memcpy(&values[i], &nan, sizeof nan);
 }
 
-// Returns the number of slices of a part that one message has.
+// Returns the number of slices of a part that fit into one message, at least 1.
 std::uint32_t slices_of_message(const GridBox& box, std::size_t value_bytes) {
   const std::size_t slice = std::max<std::size_t>(std::size_t{box.size[0]} * box.size[1] * value_bytes, 1);
   return static_cast<std::uint32_t>(std::clamp<std::size_t>(kMessageBytes / slice, 1, box.size[2]));

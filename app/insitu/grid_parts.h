@@ -28,7 +28,7 @@ struct GridBox {
   std::array<std::uint32_t, 3> first{}, size{};
 };
 
-/// Part of a field of a thinned grid that a block owns. Refers to the caller's array.
+/// Part of a field of a thinned grid, owned by one block. Refers to the caller's array.
 struct GridPart {
   GridBox box;
   FieldView field;
@@ -38,11 +38,11 @@ struct GridPart {
   /// Copies the values of component `c` in the slice `z` of the box to rows that are `pitch` bytes apart.
   void copy_slice(std::uint32_t c, std::uint32_t z, std::byte* to, std::size_t pitch) const;
 };
-/// Returns the parts of one field of a plan that blocks own.
+/// Returns the parts of one field of a plan, one for each block that owns elements.
 [[nodiscard]] std::vector<GridPart> grid_parts(std::span<const BlockView> blocks, const FieldFacts& field,
                                                std::uint32_t thinning);
 
-/// Values of one field of a whole grid, on rank 0. Either a copy, or the parts of the only rank.
+/// Values of one field of a whole grid, on rank 0. They are a copy, or the parts of the only rank.
 struct GridValues {
   FieldFacts field;
   GridFacts grid;
@@ -52,11 +52,11 @@ struct GridValues {
   std::vector<std::byte> bytes;  // components one after the other; empty if `parts` are read instead
   std::vector<GridPart> parts;
 
-  /// Copies the slice `z` of component `c`, and fills places without data with NaN or 0.
+  /// Copies the slice `z` of component `c`. Elements without data become NaN, or 0 for integers.
   void read(std::uint32_t c, std::uint32_t z, std::span<std::byte> slice) const;
 };
 
-/// Collects a field of a grid on rank 0. Collective. With `copy` false and one rank, the result refers to the arrays.
+/// Collects a field of a grid on rank 0. Collective. Without `copy` and with one rank, the result refers to the arrays.
 /// Other ranks get an empty result. Returns false if the communication failed.
 [[nodiscard]] bool gather_grid(Ranks& ranks, std::span<const BlockView> blocks, const StepPlan& plan,
                                const FieldFacts& field, bool copy, GridValues& values);

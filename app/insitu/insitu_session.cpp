@@ -12,7 +12,7 @@
 namespace gs::app::insitu {
 namespace {
 
-/// Agreement of the ranks between two steps.
+/// Decision of rank 0 about a step, broadcast to all ranks.
 struct StepDecision {
   std::uint32_t take = 0, parameters = 0;
   std::int64_t next_contact = 0;
@@ -146,7 +146,7 @@ double InSituSession::value(const char* name) const {
 }
 
 int InSituSession::begin_step(std::int64_t step, double time) {
-  if (open_step_) return fail(GS_INSITU_INVALID, "the step before has not ended; call gs_insitu_end_step() first");
+  if (open_step_) return fail(GS_INSITU_INVALID, "the previous step has not ended; call gs_insitu_end_step() first");
   const std::int64_t number = steps_++;
   if (number < next_contact_) return GS_INSITU_SKIPPED;
   step_began_ = own();
@@ -225,7 +225,7 @@ RankFacts InSituSession::own_facts() const {
   return facts;
 }
 
-// Tells viewers which fields they can choose.
+// Publishes the names of the fields that viewers can choose.
 void InSituSession::choose_fields(std::span<const RankFacts> all) {
   std::vector<std::string> names;
   for (const RankFacts& rank : all)
@@ -238,7 +238,7 @@ void InSituSession::choose_fields(std::span<const RankFacts> all) {
 }
 
 bool InSituSession::gather_step(const StepPlan& plan, StepData& data) {
-  // With a background thread, the caller changes its arrays while they are encoded, so they are copied.
+  // A background thread needs copies, because the caller may change its arrays while the thread encodes.
   const bool copy = options_.background;
   for (std::size_t i = 0; i < plan.grid_fields; ++i) {
     GridValues values;

@@ -39,10 +39,10 @@ struct SessionOptions {
 /// Reads the options of a caller. Returns the problem if they are invalid.
 [[nodiscard]] std::variant<SessionOptions, std::string> session_options(const gs_insitu_options& options);
 
-/// Session of one rank (gs_insitu). One thread; on rank 0, a thread of its own may encode.
+/// Session of one rank (gs_insitu). One thread. On rank 0, the session may own a background thread that encodes.
 class InSituSession : NonCopyable {
  public:
-  /// Begins. Collective. Returns the problem, on all ranks, if rank 0 cannot write or serve.
+  /// Opens a session. Collective. If rank 0 cannot write or serve, returns the problem on all ranks.
   [[nodiscard]] static std::variant<std::unique_ptr<InSituSession>, std::string> open(
       const SessionOptions& options, const gs_insitu_communicator* communicator);
   ~InSituSession();
@@ -87,7 +87,7 @@ class InSituSession : NonCopyable {
   std::string error_;
   const Clock::time_point began_ = Clock::now();
 
-  std::int64_t steps_ = 0, next_contact_ = 0;  // steps that began, and the first one at which the ranks agree again
+  std::int64_t steps_ = 0, next_contact_ = 0;  // number of begun steps; number of the next step at which ranks agree
   bool open_step_ = false;
   std::int64_t step_ = 0;
   double time_ = 0;
@@ -98,7 +98,7 @@ class InSituSession : NonCopyable {
   double slowest_own_ = 0;  // own time of the slowest rank, as far as rank 0 knows
   double step_began_ = 0;   // own time when the step began
 
-  /// Results that the background thread shares.
+  /// State shared with the background thread.
   struct Shared {
     mutable std::mutex mutex;
     double own_seconds = 0, last_seconds = 0, cost = 0, max_error = 0;

@@ -110,7 +110,7 @@ std::optional<std::string> Parameters::set_wanted(std::string_view query) {
     double value = 0;
     const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), value);
     if (error != std::errc() || end != text->data() + text->size() || !std::isfinite(value))
-      return found->name + ": the value is no number; expected a number";
+      return found->name + ": the value is not a number; expected a number such as 0.5";
     if (value < found->minimum || value > found->maximum)
       return found->name + ": the value is out of range; expected " + in_words(found->minimum) + " to " +
              in_words(found->maximum);

@@ -14,7 +14,7 @@
 namespace gs::app::insitu {
 namespace {
 
-// Standard deviation of the Gaussian of a particle, in radii; and its opacity.
+// Standard deviation of the Gaussian of a particle, in radii, and opacity of the Gaussian.
 constexpr double kDeviation = 0.5;
 constexpr float kParticleOpacity = 0.95f;
 
@@ -30,7 +30,7 @@ bool is_finite_point(const std::array<double, 3>& at) {
   return std::ranges::all_of(at, [](double part) { return std::isfinite(part); });
 }
 
-// Returns the mean distance of neighbours in the box of the particles, if they fill it evenly.
+// Estimates the distance between neighbours, as if the particles filled their box evenly.
 double spacing_of(const std::vector<ParticlePoint>& points) {
   std::array<float, 3> low{}, high{};
   low.fill(INFINITY);
@@ -134,7 +134,7 @@ std::optional<std::string> encode_particles(const ParticleValues& particles, qnv
   }
   splats.description.total = static_cast<double>(area) * static_cast<double>(splats.size());
   splats.description.metadata = options.metadata;
-  // Finer steps than usual, so that the errors of positions stay below kParticleError.
+  // Chooses steps so fine that the errors of positions are at most kParticleError.
   constexpr int kEighths = 8;
   for (options.splat_steps = 0; options.splat_steps > -qnv::GaussianCoding::kMostSteps; options.splat_steps -= kEighths)
     if (qnv::gaussians::splat_errors(options.splat_steps).place[1] * kDeviation <= kParticleError) break;

@@ -33,7 +33,7 @@ struct ParticlePoint {
 struct ParticleValues {
   FieldFacts field;
   std::array<double, 3> origin{};
-  double radius = 0;  // 0 means that it comes from the density
+  double radius = 0;  // 0 means that the density determines it
   std::vector<ParticlePoint> points;
 };
 
@@ -42,8 +42,8 @@ void add_bounds(const ParticlesView& view, PartFacts& facts);
 /// Collects particles on rank 0. Collective. Returns false if the communication failed.
 [[nodiscard]] bool gather_particles(Ranks& ranks, std::span<const ParticlesView> parts, const StepPlan& plan,
                                     ParticleValues& values);
-/// Encodes particles as Gaussians with colours for their values. Positions are exact up to a share of the radius
-/// (kParticleError). Returns the problem, or nullopt.
+/// Encodes particles as Gaussians with colours for their values. Errors of positions are at most kParticleError.
+/// Returns nullopt on success, else the problem.
 [[nodiscard]] std::optional<std::string> encode_particles(const ParticleValues& particles, qnv::EncodeOptions options,
                                                           std::vector<std::byte>& bytes);
 /// Maximum error of a position in radii, along each axis.

@@ -18,17 +18,17 @@
 namespace gs::app::insitu {
 namespace {
 
-// Streams that a temporary folder keeps at least, and bytes from which it drops older ones. Viewers read them for a
-// while after a newer step appeared.
+// Minimum number of steps that a temporary folder keeps, and bytes above which it drops older steps. Viewers may still
+// read a step after a newer one appeared.
 constexpr std::size_t kMinKeptSteps = 3;
 constexpr std::uint64_t kMaxKeptBytes = std::uint64_t{64} << 20;
-// A viewer that asked so long ago may still be there.
+// Time after the last request for which a viewer counts as present.
 constexpr std::chrono::seconds kViewerStays{45};
 constexpr std::string_view kTemporaryPrefix = "ghostspace-insitu-";
 
 std::int64_t insitu_now() { return std::chrono::steady_clock::now().time_since_epoch().count(); }
 
-// Returns a text as a VRML97 string without quotes.
+// Escapes a text for use inside the quotes of a VRML97 string.
 std::string vrml_text(std::string_view text) {
   std::string quoted;
   for (const char c : text) {
@@ -38,7 +38,7 @@ std::string vrml_text(std::string_view text) {
   return quoted;
 }
 
-// Returns the folder for streams that are not to stay: in memory if possible.
+// Returns the parent folder for temporary streams, in memory if possible.
 std::string temporary_parent() {
   constexpr const char* kMemory = "/dev/shm";
   if (::access(kMemory, W_OK | X_OK) == 0) return kMemory;
@@ -87,7 +87,7 @@ std::variant<std::unique_ptr<Publisher>, std::string> Publisher::start(Publisher
   std::unique_ptr<Publisher> made(new Publisher(std::move(options), parameters));
   if (made->options_.folder.empty()) {
     const std::string parent = temporary_parent();
-    (void)net::remove_abandoned_folders(parent, kTemporaryPrefix);  // of simulations that were killed
+    (void)net::remove_abandoned_folders(parent, kTemporaryPrefix);  // left by killed simulations
     auto folder = net::LockedFolder::make(parent, kTemporaryPrefix);
     if (auto* problem = std::get_if<std::string>(&folder)) return std::move(*problem);
     made->temporary_ = std::move(std::get<net::LockedFolder>(folder));
@@ -141,7 +141,7 @@ std::optional<std::string> Publisher::start_server() {
 std::optional<std::string> Publisher::write_token(std::uint16_t port) {
   const bool chosen = !options_.token_file.empty();
   const std::string path = chosen ? options_.token_file : net::usual_token_file(port);
-  if (path.empty()) return std::nullopt;  // no home folder: nobody can steer
+  if (path.empty()) return std::nullopt;  // without a home folder, steering is not possible
   std::error_code error;
   if (!chosen) std::filesystem::create_directories(std::filesystem::path(path).parent_path(), error);
   if (auto problem = net::write_control_token(path, token_)) {
@@ -169,7 +169,7 @@ net::PostAnswer Publisher::post(const net::PostRequest& request) {
   if (!given.starts_with(kBearer) || !net::same_secret(given.substr(kBearer.size()), token_))
     return {403, "the token is wrong or missing; expected the token of this session"};
   if (const auto problem = parameters_.set_wanted(request.query)) return {400, *problem};
-  seen_ = true;  // the next step is news
+  seen_ = true;  // the changed parameters make a new step worth showing
   note_viewer();
   return {200, "ok"};
 }
@@ -231,7 +231,7 @@ std::optional<std::string> Publisher::publish(std::int64_t step, double time, st
   return std::nullopt;
 }
 
-// Removes old streams from a temporary folder. Open transfers keep their file.
+// Removes old streams from a temporary folder. Running transfers keep their open files.
 void Publisher::drop_old() {
   std::uint64_t bytes = 0;
   for (const Kept& kept : kept_) bytes += kept.bytes;

@@ -19,29 +19,29 @@
 
 namespace gs::app::insitu {
 
-/// Name of the world that shows the newest step, and of the JSON resource that describes the session.
+/// Names of the world that shows the newest step, and of the JSON resource that describes the session.
 inline constexpr const char* kLiveWorld = "live.wrl";
 inline constexpr const char* kLiveJson = "insitu.json";
 
 struct PublisherOptions {
-  std::string folder;  // for all streams; empty: a temporary folder keeps the newest ones
+  std::string folder;  // for all streams; if empty, a temporary folder keeps the newest streams
   bool serve = false;
   std::uint16_t port = 0;
   std::string bind, token_file, title;
 };
 
-/// Output of a session on rank 0: streams in a folder, a world that shows the newest ones, and a server. The server's
-/// thread and one other thread use it.
+/// Output of a session on rank 0: streams in a folder, a world that shows the newest streams, and a server. Used by the
+/// server's thread and one other thread.
 class Publisher : NonCopyable {
  public:
-  /// Starts. `parameters` must outlive the result. Returns the problem otherwise.
+  /// Starts the output. `parameters` must outlive the result. Returns the problem on failure.
   [[nodiscard]] static std::variant<std::unique_ptr<Publisher>, std::string> start(PublisherOptions options,
                                                                                    Parameters& parameters);
   ~Publisher();
 
-  /// Writes the streams of a step, and makes them the newest. Returns the problem, or nullopt.
+  /// Writes the streams of a step, and makes them the newest. Returns nullopt on success, else the problem.
   [[nodiscard]] std::optional<std::string> publish(std::int64_t step, double time, std::vector<StepStream> streams);
-  /// Reports whether the next step is needed: it is written to the user's folder, or a viewer waits for it.
+  /// Reports whether the next step is needed: for the user's folder, for a waiting viewer, or as the first step.
   [[nodiscard]] bool is_wanted() const;
   [[nodiscard]] std::uint16_t port() const { return server_ ? server_->port() : 0; }
   /// Returns the file with the token; empty if there is none.
@@ -62,7 +62,7 @@ class Publisher : NonCopyable {
   std::string folder_;  // with a slash at the end
   std::string token_, token_file_;
 
-  mutable std::mutex mutex_;  // of the members up to `kept_`
+  mutable std::mutex mutex_;  // guards the members up to `kept_`
   std::string world_;
   JsonValue about_;
   struct Kept {
@@ -74,12 +74,12 @@ class Publisher : NonCopyable {
   bool make_room();
   void remove_files(const Kept& kept) const;
 
-  std::atomic<std::int64_t> viewer_{INT64_MIN};  // time of the last request for the world, nanoseconds
-  std::atomic<bool> seen_{true};                 // a viewer requested the newest step, or there is none
-  std::unique_ptr<net::HttpServer> server_;      // last, because its thread uses the others
+  std::atomic<std::int64_t> viewer_{INT64_MIN};  // time of the last request of a viewer, nanoseconds
+  std::atomic<bool> seen_{true};                 // a viewer requested the newest step or changed parameters
+  std::unique_ptr<net::HttpServer> server_;      // last member, because its thread uses the others
 };
 
-/// Returns a world in VRML97 that shows streams, by their file names.
+/// Returns a VRML97 world that shows the streams in the given files.
 [[nodiscard]] std::string world_of_streams(const std::string& title, std::int64_t step, double time,
                                            const std::vector<StepStream>& streams,
                                            const std::vector<std::string>& files);

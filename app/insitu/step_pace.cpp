@@ -5,7 +5,7 @@
 namespace gs::app::insitu {
 namespace {
 
-// A step is taken if the share permits one that costs so many times as much as the costliest of the last ones.
+// Safety factor: a step is taken if the share permits this multiple of the expected cost.
 constexpr double kReserve = 2;
 
 }  // namespace
@@ -27,9 +27,9 @@ std::uint64_t StepPace::affordable_bytes(std::int64_t number, double now, double
 }
 
 void StepPace::note_cost(double seconds, std::uint64_t bytes) {
-  // Small grids cost more per byte, so the estimate follows the last one.
+  // Uses only the last cost per byte, because small grids cost more per byte.
   if (bytes > 0) byte_seconds_ = std::max(seconds / static_cast<double>(bytes), 1e-12);
-  // A step may cost more than the one before. A cost that falls again is trusted slowly.
+  // The estimate follows rising costs at once, and falling costs slowly.
   constexpr double kTrust = 0.5;
   cost_ = known_ ? std::max(seconds, cost_ + (seconds - cost_) * kTrust) : seconds;
   known_ = true;
@@ -43,7 +43,7 @@ std::int64_t StepPace::steps_until_contact(std::int64_t number, double now, doub
     steps = std::clamp(static_cast<std::int64_t>(kContactSeconds / step_seconds), std::int64_t{1}, kMostSteps);
   if (takes && (most_share_ <= 0 || !known_)) steps = 1;
   if (takes && most_share_ > 0 && known_) {
-    // The share allows the next step at this time.
+    // Time from which the share permits the next step.
     const double until = (own + kReserve * cost_) / most_share_;
     const double wait = std::max(until - now, 0.0);
     if (step_seconds > 0)

@@ -13,7 +13,7 @@ void set_text(std::array<char, N>& to, std::string_view text) {
   std::copy_n(text.data(), std::min(text.size(), N - 1), to.data());
 }
 
-// Returns the facts of the first rank that has parts of one kind, or nullptr.
+// Returns the facts of the first rank with parts of one kind, or nullptr if no rank has any.
 const PartFacts* first_with(std::span<const RankFacts> ranks, PartFacts RankFacts::*kind) {
   for (const RankFacts& rank : ranks)
     if ((rank.*kind).parts > 0) return &(rank.*kind);

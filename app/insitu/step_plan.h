@@ -30,28 +30,28 @@ struct PartFacts {
   double radius = 0;                    // of particles
 };
 
-/// Regular grid of which blocks are parts.
+/// Whole regular grid, which blocks divide.
 struct GridFacts {
   std::array<std::int64_t, 6> whole{};
   std::array<double, 3> origin{}, spacing{1, 1, 1};
   friend bool operator==(const GridFacts&, const GridFacts&) = default;
 };
 
-/// Data that a rank passed in a step.
+/// Description of the data that a rank passed in a step.
 struct RankFacts {
   PartFacts blocks, cells, particles;
   GridFacts grid;
   double own_seconds = 0;  // time in the library so far
 };
 
-/// Data of a step that all ranks send to rank 0.
+/// Plan of a step, broadcast by rank 0: the data that all ranks send to it.
 struct StepPlan {
-  std::array<char, 128> problem{};  // not empty: the step is dropped
+  std::array<char, 128> problem{};  // if not empty, the step is dropped
   GridFacts grid;
   std::uint32_t thinning = 1;  // every n-th point of the grid along each axis
   std::uint32_t grid_fields = 0, has_cells = 0, has_particles = 0;
   std::array<FieldFacts, kMaxFields> grid_field{};
-  FieldFacts cell_field, particle_field;  // without a name: none
+  FieldFacts cell_field, particle_field;  // an empty name means no field
   std::array<double, 3> origin{};         // subtracted from positions before they become float32
   double radius = 0;
 };
@@ -60,13 +60,13 @@ struct StepPlan {
 /// Returns the field that the facts name, or nullptr.
 [[nodiscard]] const FieldView* find_field(std::span<const FieldView> fields, const FieldFacts& facts);
 
-/// Number of points (of cells, for fields of cells) of a grid along each axis, after thinning.
+/// Returns the number of points of a thinned grid along each axis, or of cells for fields of cells.
 [[nodiscard]] std::array<std::uint32_t, 3> grid_size(const GridFacts& grid, bool of_cells, std::uint32_t thinning);
 
 /// Requests of rank 0 for plans.
 struct PlanWishes {
-  bool all_fields = false;  // of grids; otherwise only `field`
-  std::string field;        // empty or unknown: the first one
+  bool all_fields = false;  // true for all fields of grids, false for `field` only
+  std::string field;        // empty or unknown means the first field
   std::uint64_t max_memory = 0;
 };
 /// Chooses the data of a step from the facts of all ranks.

@@ -40,7 +40,7 @@ qnv::VolumeSource volume_of(const GridValues& grid, std::uint32_t component) {
     const double spacing = grid.grid.spacing[a];
     layout.axes[a] = glm::vec3(0);
     layout.axes[a][axis] = static_cast<float>(spacing * grid.thinning);
-    // Index 0 is the origin; the first point of the grid may have another index.
+    // The origin belongs to index 0, but the first point of the grid may have another index.
     layout.origin[axis] = grid.grid.origin[a] + spacing * static_cast<double>(grid.grid.whole[2 * a]);
     const bool flat = grid.grid.whole[2 * a + 1] == grid.grid.whole[2 * a];
     if (grid.field.of_cells != 0 && !flat) layout.origin[axis] += spacing / 2;
@@ -74,7 +74,7 @@ std::variant<StepStream, std::string> encode_grid(const StepData& data, const Gr
   return stream;
 }
 
-// Appends the stream, or the problem with the name of the field.
+// Appends the stream on success, else a problem with the name of the field.
 void take(std::variant<StepStream, std::string> made, const std::string& field, std::vector<StepStream>& streams,
           std::vector<std::string>& problems) {
   if (auto* stream = std::get_if<StepStream>(&made))

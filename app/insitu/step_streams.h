@@ -20,9 +20,9 @@ struct StepData {
   std::vector<SurfaceValues> surfaces;
   std::vector<ParticleValues> particles;
 
-  /// Returns the bytes of all copies.
+  /// Returns the number of bytes of all copied data.
   [[nodiscard]] std::uint64_t bytes() const;
-  /// Returns the bytes of the values of all grids, copied or not.
+  /// Returns the number of bytes of the values of all grids, copied or not.
   [[nodiscard]] std::uint64_t grid_bytes() const;
 };
 
@@ -46,7 +46,7 @@ struct StepStream {
   std::uint32_t thinning = 1;  // of a grid
 };
 
-/// Encodes all data of a step. Adds problems to `problems`: one line for each field that could not be encoded. Any
+/// Encodes all data of a step. Adds one message to `problems` for each field that cannot be encoded. Any
 /// thread.
 [[nodiscard]] std::vector<StepStream> encode_step(const StepData& data, const StreamLimits& limits,
                                                   std::vector<std::string>& problems);

@@ -14,13 +14,13 @@
 namespace gs::app::insitu {
 namespace {
 
-// Face of a cell: its corners as places in the cell, counter-clockwise seen from outside.
+// Face of a cell: its corners as indices into the points of the cell, counter-clockwise seen from outside.
 struct CellFace {
   std::uint8_t count = 0;
   std::array<std::uint8_t, 4> corners{};
 };
-// Cell type of VTK: the number of its points that is needed, and its faces. A flat cell has one face, which is the
-// cell.
+// Cell type of VTK: the minimum number of points of a cell, and its faces. A flat cell has itself as the only
+// face.
 struct CellTypeRow {
   std::uint8_t type = 0, points = 0;
   bool solid = true;
@@ -30,7 +30,7 @@ struct CellTypeRow {
 constexpr CellFace corner3(std::uint8_t a, std::uint8_t b, std::uint8_t c) { return {3, {a, b, c, 0}}; }
 constexpr CellFace corner4(std::uint8_t a, std::uint8_t b, std::uint8_t c, std::uint8_t d) { return {4, {a, b, c, d}}; }
 
-// Faces of higher orders are those of their corners, which come first.
+// Cells of higher order have the faces of their corners, which are the first points.
 constexpr CellTypeRow triangle_row(std::uint8_t type, std::uint8_t points) {
   return {type, points, false, 1, {corner3(0, 1, 2)}};
 }
@@ -93,7 +93,7 @@ const CellTypeRow* cell_type_row(std::uint8_t type) {
   return nullptr;
 }
 
-using FaceKey = std::array<std::int64_t, 4>;  // sorted points; the last one is -1 of a triangle
+using FaceKey = std::array<std::int64_t, 4>;  // sorted points; the last is -1 for a triangle
 struct FaceKeyHash {
   std::size_t operator()(const FaceKey& key) const {
     std::uint64_t hash = 0x9e3779b97f4a7c15U;
@@ -125,7 +125,7 @@ std::array<double, 3> point_at(const gs_insitu_cells& cells, std::int64_t i) {
   return point;
 }
 
-// Reads cells one after the other, and emits the triangles of their outer faces.
+// Collector of the outer faces of cells, as triangles. Reads cells one after the other.
 class SkinBuilder {
  public:
   SkinBuilder(const CellsView& view, const FieldFacts& facts, const std::array<double, 3>& origin,
@@ -189,8 +189,8 @@ class SkinBuilder {
       for (std::size_t a = 0; a < 3; ++a) at[i][a] = static_cast<float>(point[a] - origin_[a]);
       value[i] = value_of(field_ && field_->of_cells ? static_cast<std::int64_t>(face.cell) : face.points[i]);
     }
-    // Two ranks split the quadrilateral that they share at the same diagonal: through the corner with the least
-    // position.
+    // Two ranks must split a shared quadrilateral along the same diagonal. It begins at the corner with the lexically
+    // smallest position.
     const auto first = static_cast<std::size_t>(std::min_element(at.begin(), at.begin() + face.count) - at.begin());
     for (std::size_t i = 1; i + 1 < face.count; ++i) {
       const std::size_t b = (first + i) % face.count, c = (first + i + 1) % face.count;
@@ -198,7 +198,7 @@ class SkinBuilder {
     }
   }
 
-  // Returns the value of an element; of a vector, its length.
+  // Returns the value of an element, or the length of its vector.
   [[nodiscard]] float value_of(std::int64_t element) const {
     if (!field_) return std::numeric_limits<float>::quiet_NaN();
     double sum = 0, one = 0;
@@ -217,7 +217,7 @@ class SkinBuilder {
   std::unordered_map<FaceKey, OpenFace, FaceKeyHash> open_;
 };
 
-// Removes the faces of cells with a volume that occur twice: they lie between two ranks.
+// Removes faces of solid cells that occur twice, because they lie between cells of two ranks.
 void remove_shared(std::vector<SurfaceTriangle>& triangles) {
   using Corners = std::array<std::array<float, 3>, 3>;
   std::vector<std::pair<Corners, std::size_t>> order;

@@ -28,7 +28,7 @@ struct CellsView {
 struct SurfaceTriangle {
   std::array<std::array<float, 3>, 3> positions{};
   std::array<float, 3> values{};  // of the corners; NaN without a field
-  std::uint32_t of_solid = 0;     // 1: face of a cell with a volume, which a cell of another rank may share
+  std::uint32_t of_solid = 0;     // 1 for a face of a solid cell, which a cell of another rank may share
 };
 
 /// Surface of all ranks, on rank 0.
@@ -41,7 +41,7 @@ struct SurfaceValues {
 /// Extends the bounds of `facts` by the points of cells.
 void add_bounds(const CellsView& view, PartFacts& facts);
 
-/// Returns the triangles of faces that belong to one cell. Leaves out cells that other ranks own, of unknown types, or
+/// Returns the triangles of faces that belong to only one cell. Leaves out cells of other ranks, of unknown types, or
 /// with invalid indices; `left_out` counts the last two. Memory: about 150 bytes per open face.
 [[nodiscard]] std::vector<SurfaceTriangle> outer_triangles(std::span<const CellsView> parts, const FieldFacts& field,
                                                            const std::array<double, 3>& origin,
@@ -52,8 +52,8 @@ void add_bounds(const CellsView& view, PartFacts& facts);
 [[nodiscard]] bool gather_surface(Ranks& ranks, std::span<const CellsView> parts, const StepPlan& plan,
                                   SurfaceValues& values, std::uint64_t& left_out);
 
-/// Encodes a surface with colours for its values. Positions are exact up to `relative_error` of the longest side of the
-/// box. Returns the problem, or nullopt.
+/// Encodes a surface with colours for its values. Errors of positions are at most `relative_error` of the longest side
+/// of the box. Returns nullopt on success, else the problem.
 [[nodiscard]] std::optional<std::string> encode_surface(const SurfaceValues& surface, double relative_error,
                                                         qnv::EncodeOptions options, std::vector<std::byte>& bytes);
 

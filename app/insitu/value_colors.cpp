@@ -9,7 +9,7 @@
 namespace gs::app::insitu {
 namespace {
 
-// Five samples of Viridis (matplotlib).
+// Five samples of the colour map Viridis (matplotlib).
 constexpr std::array<qnv::Rgb8, 5> kInsituViridis{
     {{0x44, 0x01, 0x54}, {0x3b, 0x52, 0x8b}, {0x21, 0x91, 0x8c}, {0x5e, 0xc9, 0x62}, {0xfd, 0xe7, 0x25}}};
 

@@ -14,16 +14,16 @@ struct ValueColors {
 
   /// Extends the range. Ignores values that are not finite.
   void include(double value);
-  /// Returns the colour of a value, from the colour map Viridis; grey for NaN and without a range.
+  /// Returns the colour of a value in the colour map Viridis; grey for NaN, or if there is no range.
   [[nodiscard]] qnv::Rgb8 color_of(double value) const;
-  /// Returns the metadata of a stream that map its colours back to values.
+  /// Returns the metadata of a stream, from which viewers map colours back to values.
   [[nodiscard]] std::pair<std::string, std::string> metadata() const;
 
  private:
   bool any_ = false;
 };
 
-/// Returns a number with up to nine digits.
+/// Returns a number as text with up to nine digits.
 [[nodiscard]] std::string number_text(double number);
 
 }  // namespace gs::app::insitu

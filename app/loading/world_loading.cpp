@@ -22,8 +22,8 @@ namespace {
 
 constexpr glm::dvec3 kViewer{0, 0, 10};  // assumed before the world runs
 
-// Returns the URL of a stream that a server that is reached by ssh makes next to a large file. Its name is that of the
-// file with `extension`. Returns nullopt if the file itself must be read.
+// Returns the URL of the stream that a server reached by ssh makes from a large file. It is the URL of the file with
+// `extension` appended. Returns nullopt if the file itself must be read.
 std::optional<net::Url> stream_of(const net::Url& url, const LoadOptions& options,
                                   std::string_view extension = kStreamExtension) {
   constexpr std::uint64_t kWorthEncoding = std::uint64_t{8} << 20;

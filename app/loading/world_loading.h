@@ -21,8 +21,8 @@
 
 namespace gs::app {
 
-/// Returns the URL of the stream of few voxels that a server reached by ssh makes quickly (streamed_names.h). Returns
-/// an empty text for files that such a server does not encode.
+/// Returns the URL of the coarse stream that a server reached by ssh makes quickly (streamed_names.h). Returns an empty
+/// text if the server does not make one of this file.
 [[nodiscard]] std::string coarse_url_of(const std::string& path, const LoadOptions& options);
 
 /// Reader of a world and all its references: EXTERNPROTOs, Inlines, textures and QNV streams. Reads files and the

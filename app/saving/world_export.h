@@ -20,9 +20,9 @@ struct ExportSource {
   std::vector<std::string> options = {};  // further options of the command
 };
 
-/// Export of a world to another format by a child process with the command `export`, or `encode` for a stream, so that
-/// the window stays responsive. Replaces the target completely or not at all. Ending this object kills the process. One
-/// thread.
+/// Export of a world to another format by a child process, so that the window stays responsive. The process runs
+/// `export`, or `encode` for a stream. Replaces the target completely or not at all. Destroying this object kills the
+/// process. One thread.
 class WorldExport {
  public:
   /// Starts the export. Another thread calls `wake` when take() has the result. `program` is GhostSpace.

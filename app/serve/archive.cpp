@@ -80,7 +80,7 @@ net::Maker stream_maker(const std::string& program, const std::string& served) {
   return maker;
 }
 
-// Makes streams of few voxels, which are shown while the whole volumes are encoded.
+// Returns the maker of coarse streams, which clients show while the server encodes the complete volumes.
 net::Maker coarse_maker(const std::string& program, const std::string& served) {
   net::Maker maker;
   maker.name = "coarse";
@@ -132,7 +132,7 @@ void serve_connected(net::HttpServerOptions& http, bool whole) {
   if (const char* home = std::getenv("HOME"); home && home[0] == '/') http.home = home;
 }
 
-// Returns the number of connections that the process can have, at most `wanted`: each needs a socket and a file.
+// Returns the number of connections that the descriptor limit permits, at most `wanted`. Each needs two descriptors.
 std::size_t possible_connections(std::size_t wanted) {
   constexpr std::size_t kOtherDescriptors = 128;
   const std::size_t limit = net::raise_descriptor_limit(2 * wanted + kOtherDescriptors);

@@ -26,7 +26,7 @@ struct ArchiveOptions {
   std::string cache;                    // folder for made files; empty means archive_cache_folder()
   bool make = true;  // make thumbnails of worlds, and streams of files in other formats
   std::string log = "-";                // file; "-" means standard output, empty means none
-  std::int64_t max_age = 0;  // seconds that clients and CDNs may use a response without asking again
+  std::int64_t max_age = 0;  // seconds for which clients and CDNs may reuse a response
   std::size_t connections = net::HttpLimits{}.connections;  // max number of HTTP connections
   std::vector<std::string> host_names;  // see net::HttpServerOptions
   /// Origins of web pages that may read the files. If nullopt: every origin if `bind` lets other machines connect, else

@@ -224,7 +224,7 @@ bool ViewerController::undo(int direction) {
   SplatEdits& splats = seen->document->splats;
   const auto edit = seen->document->edits.time_of(direction), splat_edit = splats.time_of(direction),
              move = seen->history.time_of(direction);
-  // Returns true if `one` is the next to be undone or redone.
+  // Returns true if `one` is the next change to undo or redo.
   const auto precedes = [direction](const std::optional<double>& one, const std::optional<double>& other) {
     return one && (!other || (direction < 0 ? *one >= *other : *one <= *other));
   };

@@ -9,7 +9,7 @@
 namespace gs::app {
 namespace {
 
-/// Returns a word of a command line, in quotes if it needs them.
+/// Returns a word of a command line, in quotes if necessary.
 std::string shell_word(const std::string& word) {
   constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./:,%@";
   if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;

@@ -11,7 +11,7 @@
 
 namespace gs::app {
 
-/// Shows edited splats in the visible viewports, as an extension of the session. Main thread.
+/// Extension of the session that shows edited splats in the visible viewports. Main thread.
 class SplatEditing final : public SessionExtension, NonCopyable {
  public:
   /// Another thread calls `wake` when edited splats are ready.
@@ -22,8 +22,8 @@ class SplatEditing final : public SessionExtension, NonCopyable {
   std::function<void()> wake_;
 };
 
-/// Returns the splats of the active viewport for the interface. `place` is that of its picture; nullopt leaves out the
-/// edges of the crop box.
+/// Returns the splats of the active viewport for the interface. `place` is the rectangle of its picture; nullopt leaves
+/// out the edges of the crop box.
 [[nodiscard]] UiSplats describe_splats(Session& session, const std::optional<Viewport>& place);
 /// Carries out the user's requests for splats.
 void apply_splats(const UiSplatActions& actions, Session& session);

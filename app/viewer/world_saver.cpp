@@ -42,7 +42,7 @@ WorldSaver::WorldSaver(Parts parts, std::string not_kept, std::function<void()> 
       wake_(std::move(wake)) {}
 
 // Returns the path that the dialog proposes: the world's own path for VRML97 and X3D, else with the extension .wrl.
-// Splats get a name of their own, because no format is saved in place.
+// Edited splats get a new name, because no format of splats is saved in place.
 std::string WorldSaver::proposed_path() const {
   const std::string& own = document_->world.path;
   std::string name = file_label(own);
@@ -121,7 +121,7 @@ void WorldSaver::start_export(const std::string& path) {
   exports_.push_back(
       {std::make_unique<WorldExport>(std::move(source), path, wake_), document_, document_->splats.edit()});
   if (splats) {
-    if (after_) ui_.show_notice("The splats are being saved; then close them again", false);
+    if (after_) ui_.show_notice("The splats are being saved; close again when saving is finished", false);
     after_.reset();
     return;
   }

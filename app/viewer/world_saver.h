@@ -59,7 +59,7 @@ class WorldSaver {
     std::shared_ptr<Document> document;  // world with the edits
   };
 
-  /// Export that runs, and the edit of splats that it saves.
+  /// Running export, and the edit of splats that it saves.
   struct Export {
     std::unique_ptr<WorldExport> running;
     std::weak_ptr<Document> document;

@@ -11,9 +11,9 @@
 namespace gs::net {
 namespace {
 
-/// Kind of signature in the query of a URL. Names are in lower case, because servers differ in their case.
+/// Kind of signature in the query of a URL. Names are in lower case, because servers spell them in different cases.
 struct SignatureKind {
-  // Names that are all present in a signed URL. The second one may be empty.
+  // Names that a signed URL must have. `second` may be empty.
   std::string_view first, second;
   std::string_view prefix;                    // all names with this prefix belong to the signature; may be empty
   std::span<const std::string_view> names{};  // names that belong to the signature, besides `first` and `second`

@@ -5,8 +5,8 @@
 
 namespace gs::net {
 
-/// Returns a presigned URL without the parameters of its signature. Such a signature gives access for some time without
-/// an account: at Amazon S3 and compatible stores, Google Cloud Storage, CloudFront and Azure. Other parameters stay,
+/// Returns a presigned URL without the parameters of its signature. A signature gives temporary access without an
+/// account, at Amazon S3 and compatible stores, Google Cloud Storage, CloudFront and Azure. Keeps other parameters,
 /// such as the version of an object. Returns other URLs and paths unchanged.
 ///
 /// Use the result for messages, logs and cache keys, and never for requests.

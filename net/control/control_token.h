@@ -16,8 +16,8 @@ namespace gs::net {
 /// if it is a token file. Returns the error, or nullopt.
 [[nodiscard]] std::optional<std::string> write_control_token(const std::string& path, const std::string& token);
 
-/// Returns the file in which a simulation on this machine keeps the token for its parameters, by the port of its
-/// server. Returns "" if the user has no folder for it.
+/// Returns the usual token file of a simulation on this machine, for the port of its server. The token permits changes
+/// of parameters. Returns "" if the user has no folder for the file.
 [[nodiscard]] std::string usual_token_file(std::uint16_t port);
 
 }  // namespace gs::net

@@ -16,8 +16,8 @@ struct FileStamp {
   std::int64_t seconds = 0, nanoseconds = 0;  // time of modification, Unix time
   friend bool operator==(const FileStamp&, const FileStamp&) = default;
 
-  /// Returns a strong entity tag (RFC 9110 8.8.3) of size and time, which copies share. `suffix` distinguishes forms of
-  /// the file. Two versions get equal tags if they have one length and one tick of the file system's clock.
+  /// Returns a strong entity tag (RFC 9110 8.8.3) from size and time, equal for copies that keep the time. `suffix`
+  /// distinguishes forms of the file. Two versions of equal size and equal time get equal tags.
   [[nodiscard]] std::string etag(std::string_view suffix = {}) const;
 };
 /// Reads the status of an open file with a system call that has no path, also in confined processes. Returns false and

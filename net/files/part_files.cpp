@@ -18,8 +18,8 @@
 namespace gs::net {
 namespace {
 
-// A list has records: mark, length of the name, begin and end of the bytes, their checksum, length of the result, name,
-// result, checksum of the record.
+// A list has records. Each record has a mark, length of the name, begin and end of the bytes, checksum of the bytes,
+// length of the result, name, result, and checksum of the record.
 constexpr std::uint32_t kWorkMark = 0x4b575347;
 constexpr std::size_t kWorkHead = 32;
 constexpr std::size_t kMostKey = std::size_t{64} << 20;  // a key has a line per input file
@@ -46,7 +46,7 @@ bool read_at(int file, std::uint64_t offset, std::span<std::byte> to) {
   return true;
 }
 
-// Returns the number in the name of a part file, or nullopt.
+// Returns the number in the name of a part file. Returns nullopt for other names.
 std::optional<std::uint32_t> part_number(const std::string& name) {
   std::uint32_t number = 0;
   const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
@@ -88,7 +88,7 @@ void remove_part_folder(const std::string& folder) {
 std::optional<FileError> prepare_part_folder(const std::string& folder, const std::string& key, bool resume) {
   if (const auto found = resume ? key_of(folder) : std::nullopt) {
     if (*found == key) return std::nullopt;
-    return FileError{folder + " belongs to another input or other options; use the same, or leave --resume out"};
+    return FileError{folder + " belongs to another input or other options; use those, or omit --resume"};
   }
   remove_part_folder(folder);
   if (::mkdir(folder.c_str(), 0777) != 0) return FileError{"cannot create the folder " + folder + ": " + part_reason()};
@@ -200,7 +200,7 @@ bool PartFiles::finish(std::string_view work, std::uint64_t first, std::span<con
   return write_all(list_.get(), record) || fail("cannot record the work in");
 }
 
-// Reads the list of a file, up to the first damaged record: the process may have ended while it wrote one.
+// Reads the list of a file up to the first damaged record, because the process may have ended while it wrote a record.
 void PartFiles::read_list(std::uint32_t number) {
   const Descriptor file(::open(path_of(number, kListEnding).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   struct stat status {};

@@ -26,7 +26,7 @@ void store_content_tag(const std::string& path, const std::stop_token& stop) {
   const auto* const file = std::get_if<RandomAccessFile>(&opened);
   if (!file) return;
   std::vector<std::byte> piece(std::size_t{1} << 20);
-  // The sum of each piece is a part of the key for the next one.
+  // Chains the pieces: the hash of a piece is part of the key of the next piece.
   std::uint64_t sum = file->size();
   for (std::uint64_t at = 0; at < file->size();) {
     const std::size_t got = file->read(at, piece);

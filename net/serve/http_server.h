@@ -47,7 +47,7 @@ struct PostRequest {
 };
 struct PostAnswer {
   int status = 200;
-  std::string message;  // for people
+  std::string message;  // body of the answer, for users
 };
 
 /// Generator of files: makes a file of one kind from another file on demand.
@@ -64,8 +64,8 @@ struct Maker {
   std::function<std::optional<MakeFailure>(const std::string& source, const std::string& out,
                                            const std::stop_token& stop)>
       make;
-  /// Name of the maker of the complete file, if this one makes a coarse version of it; else empty. A request for the
-  /// coarse version also begins the complete file, and is refused if that is ready.
+  /// Name of the maker of the complete file if this maker makes a coarse version; else empty. A request for the coarse
+  /// version also starts the complete file. If that file is ready, the request is refused.
   std::string coarse_of;
   std::chrono::milliseconds wait{10'000};  // maximum wait without Range; then retry
   std::size_t at_once = 4;                 // maximum concurrent files; all but the newest must be slow
@@ -88,7 +88,7 @@ struct HttpServerOptions {
   std::function<FolderPage(const FolderListing& listing, const FolderRequest& request)> list;
   /// Returns a page for a name that does not exist. Returns nullopt for status 404. May be empty.
   std::function<std::optional<FolderPage>(const std::string& name, const FolderRequest& request)> missing;
-  /// Answers a POST request. Called on the server's thread; must check the rights of the client. If empty, status 405.
+  /// Answers a POST request. Called on the server's thread; must check the client's rights. Empty means status 405.
   std::function<PostAnswer(const PostRequest& request)> post;
   /// Returns additional lines for /metrics.
   std::function<std::string()> more_metrics;

@@ -446,7 +446,7 @@ HttpSite::Reply HttpSite::make(const HttpRequest& request, std::size_t lane, con
   const Maker& maker = options_.makers[lane];
   for (std::size_t i = 0; i < options_.makers.size() && !maker.coarse_of.empty(); ++i)
     if (options_.makers[i].name == maker.coarse_of && request_made(i, source).first.state != MadeState::waiting)
-      return problem(404, "the complete file is ready");
+      return problem(404, "the complete file is ready; request it instead");
   const auto [result, key] = request_made(lane, source);
   switch (result.state) {
     case MadeState::failed:
@@ -466,7 +466,7 @@ HttpSite::Reply HttpSite::make(const HttpRequest& request, std::size_t lane, con
   chosen.file.descriptor = Descriptor(::open(result.path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   if (!chosen.file.descriptor) return problem(503, "was removed from the cache; retry");
   chosen.file.stamp = stamp_of(chosen.file.descriptor);
-  // Without a stored tag, other servers have another one. Clients then start again after a change of servers.
+  // Without a stored tag, each server has its own. A client that changes servers then starts its transfer again.
   chosen.etag = content_tag_of(chosen.file.descriptor).value_or(chosen.file.stamp.etag("-m"));
   chosen.modified = chosen.file.stamp.seconds;
   chosen.type = maker.type;

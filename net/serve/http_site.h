@@ -27,7 +27,7 @@ struct HttpRequest {
   std::vector<std::string> hosts;  // values of the Host fields
   std::string origin;              // origin of the requesting page; empty if missing
   bool local = false;              // sent by this machine, not through a proxy
-  bool waited_long = false;        // the request has waited for a made file for the maximum time
+  bool waited_long = false;        // the request has already waited the maximum time for a made file
 };
 
 /// Part of a response body: text, or a range of the response's file.
@@ -86,7 +86,7 @@ class HttpSite {
   [[nodiscard]] Reply file(const HttpRequest& request, const RequestPath& path, ServedFile file) const;
   [[nodiscard]] std::optional<Reply> made(const HttpRequest& request, const RequestPath& path, const std::string& query,
                                           bool missing) const;
-  /// Returns the state of the file that a maker makes from `source`, and its key. Starts to make it if it is missing.
+  /// Returns the state and the key of the file that a maker makes from `source`. Starts to make the file if missing.
   [[nodiscard]] std::pair<MadeFile, std::string> request_made(std::size_t lane, const ServedFile& source) const;
   [[nodiscard]] Reply make(const HttpRequest& request, std::size_t lane, const ServedFile& source) const;
   [[nodiscard]] std::optional<WaitForMade> compress(const HttpRequest& request, const RequestPath& path,

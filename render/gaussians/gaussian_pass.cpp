@@ -65,11 +65,11 @@ bool are_gaussians_behind_volumes(const RenderList& list, const glm::dvec3& eye)
   const WideBox volumes = bounds_of_all<qnv::Volume>(list), gaussians = bounds_of_all<qnv::Gaussians>(list);
   if (volumes.empty() || gaussians.empty()) return false;
   for (int axis = 0; axis < 3; ++axis)
-    for (const bool above : {false, true}) {  // the side of the volumes
+    for (const bool above : {false, true}) {  // whether the volumes are on the upper side
       const double low = above ? gaussians.upper[axis] : volumes.upper[axis],
                    high = above ? volumes.lower[axis] : gaussians.lower[axis];
       if (low > high) continue;
-      // An eye between the boxes sees none of them in front of the other.
+      // If the eye is between the boxes, neither box hides the other along this axis.
       if (eye[axis] <= low || eye[axis] >= high) return (eye[axis] >= high) == above;
     }
   const auto distance = [&](const WideBox& box) { return glm::distance(eye, (box.lower + box.upper) * 0.5); };

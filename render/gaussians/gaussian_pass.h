@@ -12,9 +12,9 @@
 
 namespace gs::render {
 
-/// Returns true if the Gaussians of a list are behind its volumes, as seen from `eye` in world space: a plane across an
-/// axis separates their boxes, and the volumes are on the side of the eye. Boxes that overlap are compared by their
-/// centres. Returns false if either is missing.
+/// Returns true if the Gaussians of a list are behind its volumes, as seen from `eye` in world space. If a plane across
+/// an axis separates their boxes, the volumes must be on the side of the eye. Otherwise the box with the nearer centre
+/// is in front. Returns false if Gaussians or volumes are missing.
 [[nodiscard]] bool are_gaussians_behind_volumes(const RenderList& list, const glm::dvec3& eye);
 
 /// Pass for the Gaussians of a RenderList (only SplatItems with qnv::Gaussians). Blends all splats in depth order, with

@@ -22,7 +22,7 @@ constexpr float kSurfelMargin = 1e-2f;
 /// Splat in camera space.
 struct SeenGaussian {
   glm::vec3 place;  // of the centre
-  glm::mat3 axes;   // directions of its axes, of the length of a unit of the node
+  glm::mat3 axes;   // directions of its axes; the length of each is a unit of the node
   glm::vec3 scales;
   float opacity;
 };
@@ -37,7 +37,7 @@ class GaussianProjection {
         low_(view.center.y - kGaussianFarthestTangent * view.tangents.y),
         high_(view.center.y + kGaussianFarthestTangent * view.tangents.y) {}
 
-  /// Sets position, shape and opacity by EWA. Returns false if the splat is invisible.
+  /// Sets shape, extent and opacity by EWA. Returns false if the splat is invisible.
   [[nodiscard]] bool shape_ellipse(const SeenGaussian& seen, bool antialiased, GaussianSplat& splat) const {
     const float near = -1 / seen.place.z, across = lens_.pixels_x * near, up = lens_.pixels_y * near;
     // J at the centre: the change of the pixel with the camera-space position.
@@ -71,7 +71,7 @@ class GaussianProjection {
     return true;
   }
 
-  /// Sets position, extent and opacity of a surfel. Returns false if the surfel reaches the plane of the eye.
+  /// Sets extent, opacity and linear functions of a surfel. Returns false if the surfel reaches the plane of the eye.
   [[nodiscard]] bool shape_surfel(const SeenGaussian& seen, GaussianSplat& splat, GaussianSurfel& surfel) const {
     const glm::vec3 u = seen.axes[0] * seen.scales.x, v = seen.axes[1] * seen.scales.y;
     // A point (u, v) of the plane has the depth dot(depth, (u, v, 1)), and dot(x, ...) / dot(depth, ...) is its
@@ -94,7 +94,7 @@ class GaussianProjection {
     splat.reach_y = reach(y);
     splat.xx = splat.yy = 1;
     splat.xy = 0;
-    // The planes of the pixel's column and row meet in its ray.
+    // The ray of a pixel is the intersection of the planes through its column and its row.
     glm::mat3 lines(glm::cross(y, depth), glm::cross(depth, x), glm::cross(x, y));
     float most = 0;
     for (int k = 0; k < 3; ++k)

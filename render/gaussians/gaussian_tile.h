@@ -24,7 +24,7 @@ struct GaussianSplat {
   float red, green, blue;  // 0 is black, 1 is white
   float depth;             // along the view axis, > 0
   float least_depth;       // of this splat and of all that are blended after it
-  /// Index of the surfel that gives the opacity instead; -1 if there is none. Then x, y and the reach are its own.
+  /// Index of the surfel that defines the opacity instead of xx, xy and yy; -1 if the splat is not a surfel.
   std::int32_t surfel = -1;
 };
 
@@ -34,7 +34,7 @@ struct GaussianSplat {
 struct GaussianSurfel {
   std::array<float, 3> a, b, c;
 };
-/// Low-pass of surfels (2DGS): seen from the edge, a surfel has at least a variance of 1 / kSurfelScreen pixels^2.
+/// Low-pass of surfels (2DGS): even edge-on, a surfel has a variance of at least 1 / kSurfelScreen pixels^2.
 constexpr float kSurfelScreen = 2;
 
 /// Pixels of one tile, premultiplied.

@@ -19,7 +19,7 @@ struct EncodeInput {
   OpenedInput input;
 };
 
-/// Opens the inputs. First checks whether the output may be written, because the work may be long. Prints errors.
+/// Opens the inputs. First checks that the output may be written, because encoding may take long. Prints errors.
 [[nodiscard]] std::optional<EncodeInput> open_encode_input(const ConversionOptions& options, ProgressBar& progress);
 
 /// Returns an error if a stream is too large for the options.
@@ -31,7 +31,7 @@ struct EncodeReport {
   std::chrono::steady_clock::time_point start;  // of the command
   const JsonValue* ranks = nullptr;             // statistics of several processes, or null
 };
-/// Reports a stream that was written, and the properties of the input that it lost.
+/// Reports a written stream, and the properties of the input that were lost.
 void report_encoding(const ConversionOptions& options, const EncodeInput& opened, const qnv::EncodedStream& stream,
                      const EncodeReport& report);
 

@@ -71,7 +71,7 @@ struct ConversionOptions : InputOptions, UpOption, SplatEditOptions {
   qnv::ValueTolerance value_tolerance;  // values of a volume
   std::optional<double> parity;         // share of lost chunks that parity restores; nullopt: as the codec chooses
   std::uint64_t seed = 1;
-  std::uint64_t most_voxels = 0;  // voxels that are left of a volume; 0 means all
+  std::uint64_t most_voxels = 0;  // maximum voxels of a volume; 0 means unlimited
 };
 
 /// Size of pictures or of the window. Simulated input refers to a picture of this size.

@@ -8,9 +8,9 @@
 
 namespace gs::app {
 
-/// Progress of a long operation, as stage and percent on standard error. Shown only on a terminal; with `lines`, other
-/// outputs get a line every few seconds. While the object
-/// exists, Ctrl-C cancels the operation. A second Ctrl-C ends the program. Only one object may exist at a time.
+/// Progress of a long operation, as stage and percent on standard error. Shown only on a terminal. With `lines`, other
+/// outputs get a line every few seconds. While the object exists, Ctrl-C cancels the operation, and a second Ctrl-C
+/// ends the program. Only one object may exist at a time.
 class ProgressBar : NonCopyable {
  public:
   explicit ProgressBar(bool lines = false);

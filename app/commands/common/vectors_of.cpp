@@ -154,7 +154,7 @@ std::variant<qnv::Volume, EncodeError> gradients(const qnv::VolumeSource& volume
   return std::move(std::get<qnv::Volume>(found));
 }
 
-// Reports whether the stream of a volume has its values, not its gradients.
+// Reports whether the stream of a volume stores values instead of gradients.
 bool keeps_values(const ConversionOptions& options) {
   const bool selects_gradients = options.vectors > 0 || options.fraction > 0;
   return options.method == EncodeMethod::values || (options.method == EncodeMethod::automatic && !selects_gradients);

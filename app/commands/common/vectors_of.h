@@ -26,7 +26,7 @@ struct EncodeOutput {
   unsigned threads = 0;
 };
 
-/// Reports whether encode_input() encodes the values of a volume, which several ranks share: no labels.
+/// Reports whether encode_input() encodes the values of a volume without labels. Several ranks can share that work.
 [[nodiscard]] bool encodes_values(const ConversionOptions& options, const OpenedInput& input);
 
 /// Encodes an input (qnv::encode) with the settings of the options. Only volumes use `output`; other streams have their

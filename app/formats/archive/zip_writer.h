@@ -7,10 +7,10 @@
 
 namespace gs::app {
 
-/// Writer of a ZIP archive of stored, uncompressed files, without times, so that equal contents give equal bytes.
+/// Writer of a ZIP archive of uncompressed files. All files have a fixed date, so equal contents give equal bytes.
 class ZipWriter {
  public:
-  /// Appends a file. The archive must stay below 4 GiB, and have less than 65,535 files.
+  /// Appends a file. The archive must stay below 4 GiB and have fewer than 65,535 files.
   void add(const std::string& name, std::span<const std::byte> bytes);
   /// Returns the bytes of the files so far, without the directory.
   [[nodiscard]] std::size_t size() const { return archive_.size(); }

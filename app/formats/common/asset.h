@@ -36,7 +36,7 @@ struct ImportSource {
   bool local = false;    // a file of this machine
   ReadFiles read_files = {};     // reads files of a container; may be null
   ListFolder list_folder = {};  // lists folders of a container; may be null
-  NeedBytes need = {};          // reads parts of the file from a server; null if the whole file is there
+  NeedBytes need = {};          // receives parts of the file from a server; null if the file is complete
 };
 
 /// Nodes of a file that has its own, such as transformations (glTF). Never null.

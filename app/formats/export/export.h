@@ -41,8 +41,8 @@ using Exported = std::variant<std::vector<std::byte>, std::string>;
 /// Exports Inria's 3DGS PLY of degree 0: x y z nx ny nz f_dc opacity scale rot. The axes are right, down, forward.
 [[nodiscard]] Exported export_splats_ply(const qnv::Geometry& geometry, const ExportOptions& options = {});
 
-/// Exports PlayCanvas SOG, version 2, as a ZIP archive of images: 16 bits per coordinate of the logarithm of a
-/// position, and codebooks of 256 numbers for scales, colours and harmonics. The axes are right, down, forward.
+/// Exports PlayCanvas SOG, version 2, as a ZIP archive of images. Coordinates are stored as logarithms with 16 bits.
+/// Codebooks of 256 numbers hold scales, colours and harmonics. The axes are right, down, forward.
 [[nodiscard]] Exported export_sog(const qnv::Geometry& geometry, const ExportOptions& options = {});
 
 /// Exports binary glTF 2.0 with KHR_gaussian_splatting (release candidate of April 2026) as one POINTS primitive.
@@ -103,7 +103,7 @@ struct ExportFormat {
   /// and an empty message if `take` returns false.
   std::optional<std::string> (*write_pieces)(const qnv::Geometry& geometry, const ExportOptions& options,
                                              const std::function<bool(std::span<const std::byte>)>& take) = nullptr;
-  std::string_view rounding = {};  // how the format rounds Gaussian splats, as a message; empty if it keeps them
+  std::string_view rounding = {};  // message about the rounding of Gaussian splats; empty if they are kept exactly
 };
 
 /// Returns all formats. If several formats share an extension, the first one is its default.

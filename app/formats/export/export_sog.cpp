@@ -20,7 +20,7 @@
 #include <optional>
 #include <utility>
 
-// Export of PlayCanvas SOG, version 2: images without losses with one pixel per splat, in a ZIP archive.
+// Export of PlayCanvas SOG, version 2: lossless images with one pixel per splat, in a ZIP archive.
 namespace gs::app {
 namespace {
 
@@ -31,7 +31,7 @@ constexpr std::size_t kSogPaletteUnit = 1024, kMostSogPalette = 65536, kSogCente
 constexpr std::size_t kMostSogBytes = (std::size_t{1} << 32) - (1 << 16);  // of a ZIP archive, beside its directory
 constexpr float kLeastLogScale = -20, kMostLogScale = 40;
 constexpr int kSogMethod = 4;         // of WebP: 0 is fast, 9 is small
-constexpr float kMinSogSteps = 4096;  // as for SPZ: fewer steps across content far from 0 would deform it
+constexpr float kMinSogSteps = 4096;  // as for SPZ: fewer steps would deform content that is far from 0
 
 /// Image with four bytes a pixel. Alpha is 255 unless it carries data.
 struct SogImage {
@@ -42,7 +42,7 @@ struct SogImage {
   std::vector<std::uint8_t> rgba;
 };
 
-/// Returns the WebP file of an image, without losses. Returns nullopt if there is not enough memory.
+/// Returns an image as a lossless WebP file. Returns nullopt if there is not enough memory.
 std::optional<std::vector<std::byte>> webp_of(const SogImage& image) {
   WebPConfig config;
   WebPPicture picture;
@@ -70,7 +70,7 @@ std::optional<std::vector<std::byte>> webp_of(const SogImage& image) {
 
 float log_place(double v) { return static_cast<float>(std::copysign(std::log1p(std::abs(v)), v)); }
 
-/// Returns the indices of the splats in Morton order of their positions, so that near splats are near pixels.
+/// Returns the indices of the splats in Morton order of their positions, so that close splats become close pixels.
 std::vector<std::uint32_t> morton_order_of(const std::vector<ExportSplat>& splats) {
   Box box;
   for (const ExportSplat& splat : splats) box.add(splat.position);
@@ -130,7 +130,7 @@ class SogBuilder {
  private:
   [[nodiscard]] const ExportSplat& splat(std::size_t i) const { return made_.splats[order_[i]]; }
   SogImage& add_image(const char* name) { return images_.emplace_back(name, SogImage(width_, height_)).second; }
-  /// Returns numbers that JSON keeps as they are.
+  /// Returns the numbers as values that JSON writes without rounding.
   template <class Numbers>
   static SogJson list_of(const Numbers& numbers) {
     SogJson list = SogJson::array();
@@ -237,13 +237,13 @@ class SogBuilder {
   }
 
   ExportSplats made_;
-  std::vector<std::uint32_t> order_;  // splats of the pixels
+  std::vector<std::uint32_t> order_;  // index of the splat of each pixel
   std::size_t count_ = 0, width_ = 0, height_ = 0;
   SogJson meta_;
   std::vector<std::pair<std::string, SogImage>> images_;
 };
 
-/// Returns true if the steps of SOG deform content that is far from 0: those of its 16 bits, or of the logarithms in
+/// Returns true if the rounding of SOG deforms content that is far from 0: by the steps of 16 bits, or of logarithms in
 /// float32.
 bool is_too_far_for_sog(const qnv::Description& description) {
   if (description.origin == glm::dvec3(0)) return false;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kLloydRounds = 40;
 
-/// Points of one entry of a palette: a range of the order, and how to split it.
+/// Group of points that becomes one entry of a palette: a range of `order`, and the plane that splits it.
 struct PaletteGroup {
   std::size_t first = 0, end = 0, axis = 0;
   float at = 0;       // mean along `axis`
@@ -18,7 +18,7 @@ struct PaletteGroup {
 };
 bool operator<(const PaletteGroup& a, const PaletteGroup& b) { return a.spread < b.spread; }
 
-/// Points to split, and the order in which groups are ranges.
+/// Points to split, and their order, in which each group is a range.
 struct PalettePoints {
   std::span<const float> points;
   std::size_t dimensions = 0;
@@ -59,7 +59,7 @@ SogCodebook sog_codebook_of(std::vector<float> values) {
   const std::size_t size = codebook.size(), count = values.size();
   std::vector<double> sums(count + 1);
   for (std::size_t i = 0; i < count; ++i) sums[i + 1] = sums[i] + static_cast<double>(values[i]);
-  // Half of the first numbers are equally frequent, and half equally spaced.
+  // Starts with quantiles of the values, and with equally spaced numbers, half of each.
   for (std::size_t i = 0; i < size; ++i) {
     const float part = static_cast<float>(i) / static_cast<float>(size - 1);
     codebook[i] =
@@ -112,7 +112,7 @@ SogPalette sog_palette_of(std::span<const float> points, std::size_t dimensions,
         std::partition(begin + static_cast<std::ptrdiff_t>(group.first), begin + static_cast<std::ptrdiff_t>(group.end),
                        [&](std::uint32_t point) { return points[point * dimensions + group.axis] < group.at; });
     const auto at = static_cast<std::size_t>(middle - begin);
-    if (at == group.first || at == group.end) break;  // equal but for rounding
+    if (at == group.first || at == group.end) break;  // points differ by rounding only
     groups.pop();
     groups.push(palette_group(all, group.first, at));
     groups.push(palette_group(all, at, group.end));

@@ -13,10 +13,10 @@ namespace {
 constexpr std::uint32_t kArrowSides = 6;
 constexpr std::size_t kMaxPointArrows = 2000;
 
-/// Points that are the nearest ones to the centres of cubes, one per cube.
+/// Point nearest to the centre of each cube of a grid, with its squared distance.
 using PointsOfCubes = std::unordered_map<std::uint64_t, std::pair<std::uint32_t, float>>;
 
-/// Chooses a point for each cube of an edge. Returns nothing if more than `most` cubes have points.
+/// Chooses one point in each cube of size `edge`. Returns no points if more than `most` cubes have points.
 PointsOfCubes thinned(std::span<const glm::vec3> points, std::span<const std::uint32_t> usable, const glm::vec3& lower,
                       float edge, std::size_t most) {
   PointsOfCubes chosen;
@@ -24,7 +24,8 @@ PointsOfCubes thinned(std::span<const glm::vec3> points, std::span<const std::ui
     const glm::vec3 place = (points[i] - lower) / edge;
     const glm::vec3 cube = glm::floor(place);
     std::uint64_t key = 0;
-    for (int k = 0; k < 3; ++k) key = key << 21 | std::min(static_cast<std::uint64_t>(cube[k]), std::uint64_t{0x1fffff});
+    for (int k = 0; k < 3; ++k)
+      key = key << 21 | std::min(static_cast<std::uint64_t>(cube[k]), std::uint64_t{0x1fffff});
     const glm::vec3 off = place - cube - 0.5f;
     const float distance = glm::dot(off, off);
     const auto [found, is_new] = chosen.try_emplace(key, i, distance);
@@ -64,9 +65,8 @@ void FlowFaces::join(std::int32_t a, std::int32_t b, std::uint32_t count) {
   }
 }
 
-
 void FlowFaces::build(const std::string& title) {
-  if (index_.empty()) return builder_.warn("no vector is long enough to be shown");
+  if (index_.empty()) return builder_.warn("all vectors are missing or 0; none is shown");
   const ColorKey key = color_key_of_choice(values_, title, builder_.choice());
   Appender<vrml::Color> colors(builder_);
   for (const float value : values_) colors.push(key.color_of(static_cast<double>(value)));
@@ -80,9 +80,8 @@ void FlowFaces::build(const std::string& title) {
   builder_.set_color_key(key);
 }
 
-
 void FlowFaces::add_arrow(const glm::dvec3& tail, const glm::dvec3& vector, float value) {
-  constexpr double kShaft = 0.045, kHead = 0.13, kNeck = 0.65;  // radii and place, as parts of the length
+  constexpr double kShaft = 0.045, kHead = 0.13, kNeck = 0.65;  // radii and start of the head, as shares of the length
   const double length = glm::length(vector);
   const glm::dvec3 along = vector / length;
   const auto sides = across(along);
@@ -101,7 +100,6 @@ void FlowFaces::add_arrow(const glm::dvec3& tail, const glm::dvec3& vector, floa
   join(inner, outer, kArrowSides);
   join(base, tip, kArrowSides);
 }
-
 
 void add_point_arrows(std::span<const glm::vec3> points, std::span<const glm::vec3> vectors, FlowFaces& faces) {
   constexpr float kFill = 1.3f, kUsual = 0.98f, kLeast = 0.02f, kGrowth = 1.25f, kJoined = 0.7f;
@@ -125,14 +123,14 @@ void add_point_arrows(std::span<const glm::vec3> points, std::span<const glm::ve
   }
   const glm::vec3 size = upper - lower;
   const float largest = std::max({size.x, size.y, size.z});
-  // Cubes grow until few enough have points.
+  // Enlarges the cubes until at most kMaxPointArrows have points.
   PointsOfCubes chosen;
   float edge = largest > 0 ? largest / 64 : 1;
   while ((chosen = thinned(points, usable, lower, edge, kMaxPointArrows)).empty()) edge *= kGrowth;
   std::vector<std::uint32_t> order;
   for (const auto& [cube, point] : chosen) order.push_back(point.first);
   std::sort(order.begin(), order.end());
-  // Arrows are as long as their distances: cubes of that size join many of them.
+  // Estimates the distance between arrows, which scales their length: the cube size that joins many of them.
   for (const auto many = static_cast<std::size_t>(static_cast<float>(order.size()) * kJoined);
        edge < largest / 8 && thinned(points, order, lower, edge, order.size()).size() > many;)
     edge *= kGrowth;

@@ -17,7 +17,7 @@ namespace gs::app {
 struct PlyTable {
   PlyHeader header;
   PlyElement element;
-  std::size_t rows = 0;             // complete rows that the file has, at most element.count
+  std::size_t rows = 0;             // number of complete rows in the file, at most element.count
   std::span<const std::byte> data;  // rows, if the file is binary
   std::vector<double> values;       // all values row by row, if the file is ASCII
   Share share;                      // memory for `values`

@@ -24,7 +24,7 @@ namespace gs::app {
 namespace {
 
 constexpr std::size_t kEditedRange = 16384;  // splats per task
-// Exponent of the display. Light is multiplied, but colours are stored for the display.
+// Exponent of the display. The exposure multiplies linear light, but colours are stored with this exponent.
 constexpr double kDisplayGamma = 2.2;
 
 enum class SplatFate : std::uint8_t { kept, cropped, faint, large, far };
@@ -138,7 +138,7 @@ void expose_splats(qnv::Gaussians& splats, double exposure) {
   }
 }
 
-/// Returns the shortest text that reads as the same number.
+/// Returns the shortest text that parses to the same number.
 std::string option_text(double value) {
   char text[32];
   const auto end = std::to_chars(text, text + sizeof text, value == 0 ? 0.0 : value);

@@ -12,7 +12,7 @@
 
 namespace gs::app {
 
-/// Box along the axes, in source coordinates.
+/// Axis-aligned box, in source coordinates.
 struct SplatBox {
   glm::dvec3 lower{0}, upper{0};
   friend bool operator==(const SplatBox&, const SplatBox&) = default;
@@ -25,14 +25,14 @@ struct SplatBall {
   friend bool operator==(const SplatBall&, const SplatBall&) = default;
 };
 
-/// Changes of Gaussian splats by the user. The crop and the limits select splats, in source coordinates. The remaining
+/// Edit of Gaussian splats by the user. The crop and the limits select splats, in source coordinates. The remaining
 /// splats are scaled and turned about the point 0 0 0, and then moved. The exposure changes their colours.
 struct SplatEdit {
   std::optional<SplatBox> box;    // keeps splats with centres inside
   std::optional<SplatBall> ball;  // keeps splats with centres inside
-  bool outside = false;           // removes the splats inside of box and ball instead, and keeps the others
-  double least_opacity = 0;       // removes splats with less opacity at their centre
-  double most_size = 0;           // removes splats with a longer standard deviation; 0 means unlimited
+  bool outside = false;           // removes the splats inside of both box and ball, and keeps the others
+  double least_opacity = 0;       // minimum opacity of a splat at its centre
+  double most_size = 0;           // maximum standard deviation of a splat; 0 means unlimited
   double scale = 1;
   glm::dvec3 turn{0};   // degrees about the axes x, y and z, in this order
   glm::dvec3 move{0};   // units of the source
@@ -45,21 +45,21 @@ struct SplatEdit {
   [[nodiscard]] bool empty() const { return *this == SplatEdit{}; }
 };
 
-/// Returns the transformation of positions, with homogeneous coordinates.
+/// Returns the transformation of positions as a homogeneous matrix.
 [[nodiscard]] glm::dmat4 matrix_of(const SplatEdit& edit);
 
-/// Numbers of splats that an edit removed, by the first reason.
+/// Numbers of splats that an edit removed, each counted by its first reason.
 struct SplatsRemoved {
   std::size_t before = 0;  // number of splats before the edit
   std::size_t cropped = 0, faint = 0, large = 0, far = 0;
   [[nodiscard]] std::size_t all() const { return cropped + faint + large + far; }
 };
 
-/// Applies an edit. Turns the spherical harmonics with the splats. Updates origin, box and areas. Removes splats that
+/// Applies an edit. Rotates the spherical harmonics with the splats. Updates origin, box and areas. Removes splats that
 /// would leave the range of coordinates. Any thread.
 SplatsRemoved edit_splats(qnv::Gaussians& splats, const SplatEdit& edit);
 
-/// Returns one message for each reason for which splats were removed.
+/// Returns one message for each reason that removed splats.
 [[nodiscard]] std::vector<std::string> messages_of(const SplatsRemoved& removed);
 
 /// Returns the options of `export` and `encode` that make this edit.

@@ -19,8 +19,8 @@
 #include <variant>
 #include <vector>
 
-// Import of RAD version 1 (Spark): chunks of splats with compressed arrays of properties. The splats are a tree of
-// levels of detail in the order from coarse to fine.
+// Import of RAD version 1 (Spark): chunks of splats with compressed arrays of properties. The splats form a tree of
+// levels of detail, stored from coarse to fine.
 namespace gs::app {
 namespace {
 
@@ -48,7 +48,7 @@ float rad_limit(const RadJson& from, const char* key, float usual) {
   return found != from.end() && found->is_number() ? found->get<float>() : usual;
 }
 
-/// Head of a file or chunk: its JSON, and the place behind it.
+/// Head of a file or chunk: its JSON, and the offset of the data after it.
 struct RadHead {
   RadJson meta;
   std::size_t end = 0;
@@ -63,7 +63,7 @@ std::optional<RadHead> read_rad_head(std::span<const std::byte> bytes, std::uint
   return head;
 }
 
-/// Property of a chunk: planes of numbers, one after the other.
+/// Decoder of a property of a chunk. Its dimensions are stored one after the other.
 class RadPlanes {
  public:
   RadPlanes(const RadJson& property, std::span<const std::byte> data)
@@ -72,7 +72,7 @@ class RadPlanes {
         most_(rad_limit(property, "max", 1)),
         data_(data) {}
 
-  /// Returns the bytes of one number, or 0 for an unknown encoding.
+  /// Returns the number of bytes of one value, or 0 for an unknown encoding.
   static std::size_t width_of(std::string_view encoding) {
     if (encoding == "f32" || encoding == "f32_lebytes" || encoding == "u32") return 4;
     if (encoding == "f16" || encoding == "f16_lebytes" || encoding == "ln_f16" || encoding == "u16") return 2;
@@ -118,7 +118,7 @@ class RadPlanes {
   std::span<const std::byte> data_;
 };
 
-/// Returns the rotation x, y, z, w of an octahedral axis and an angle.
+/// Decodes three bytes, an octahedral axis and an angle, to a quaternion x, y, z, w.
 glm::vec4 rotation_of_oct88r8(const std::byte* raw) {
   const auto part = [&](int i) { return static_cast<float>(std::to_integer<int>(raw[i])) / 255; };
   glm::vec3 axis(part(0) * 2 - 1, part(1) * 2 - 1, 0);
@@ -134,8 +134,8 @@ class RadReader {
  public:
   explicit RadReader(const ImportSource& source) : source_(source) {}
 
-  /// Reads all chunks, or as many as fit into memory and are complete, and keeps the finest splats. Returns a message
-  /// if there are none.
+  /// Reads the complete chunks, as many as fit into memory, and keeps the finest splats. Returns a message if no splats
+  /// remain.
   RadProblem read(SplatModel& model) {
     const auto head = read_rad_head(source_.bytes, kRadMagic);
     if (!head) return "its header is damaged";
@@ -206,7 +206,7 @@ class RadReader {
     return std::nullopt;
   }
 
-  /// Decompresses a property, which has at most `most` bytes. Returns a message if it is damaged.
+  /// Decompresses a property to at most `most` bytes. Returns a message if it is damaged.
   std::variant<std::vector<std::byte>, std::string> unpacked(const RadJson& property,
                                                              std::span<const std::byte> payload, std::size_t most) {
     const std::uint64_t offset = rad_number(property, "offset"), length = rad_number(property, "bytes");
@@ -298,7 +298,7 @@ class RadReader {
     }
   }
 
-  /// Returns number `k` of a degree: red, green and blue of each coefficient.
+  /// Returns number `k` of the harmonics of a degree, stored as red, green and blue of each coefficient.
   static float& coefficient(SplatModel& model, std::size_t splat, int degree, std::size_t k) {
     const std::size_t before = qnv::harmonic_count(degree - 1);
     return model.coefficient(splat, before + k / 3)[static_cast<int>(k % 3)];
@@ -313,7 +313,7 @@ class RadReader {
     }
   }
 
-  /// Keeps the splats without children, and those with children that were not read.
+  /// Keeps the splats without children, and the splats with children that were not read.
   void keep_finest(SplatModel& model) const {
     const std::size_t per = qnv::harmonic_count(model.degree);
     std::size_t to = 0;
@@ -332,9 +332,9 @@ class RadReader {
   }
 
   const ImportSource& source_;
-  std::vector<std::uint16_t> children_;      // of each node of the tree
-  std::vector<std::uint32_t> starts_;        // index of its first child
-  std::vector<std::uint32_t> labels_;        // of the splats of a chunk: entries of the palettes
+  std::vector<std::uint16_t> children_;      // number of children of each node
+  std::vector<std::uint32_t> starts_;        // index of the first child of each node
+  std::vector<std::uint32_t> labels_;        // palette entry of each splat of a chunk
   std::array<std::vector<float>, 4> codes_;  // palettes of harmonics, by degree
   std::array<Share, 4> code_shares_;
   Share share_;

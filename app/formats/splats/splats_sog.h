@@ -20,7 +20,7 @@ struct SplatModel;
 /// `source.read_file`. Safe for untrusted input; memory is charged to the budget.
 [[nodiscard]] Asset read_splats_sog(const ImportSource& source);
 
-/// Reads a SOG into `model` from the text of its meta.json and the images that this names. Returns a message on
+/// Reads a SOG into `model` from the text of its meta.json and the images that the text names. Returns a message on
 /// failure. Safe for untrusted input; memory is charged to the budget.
 [[nodiscard]] std::optional<std::string> read_sog_model(std::span<const std::byte> meta, const ReadFile& read,
                                                         const WorldBudget& budget, SplatModel& model);
@@ -28,8 +28,8 @@ struct SplatModel;
 /// Returns true for streamed SOG: lod-meta.json, which lists SOGs of several levels of detail.
 [[nodiscard]] bool is_splats_sog_levels(std::span<const std::byte> bytes);
 
-/// Imports streamed SOG: of each part of the scene, the finest level that fits into memory and can be read. Reads only
-/// the files of these levels. Warns if finer levels are left out. Safe for untrusted input.
+/// Imports streamed SOG. For each part of the scene, reads the finest level that fits into memory and is readable.
+/// Reads only the files of these levels. Warns if finer levels are left out. Safe for untrusted input.
 [[nodiscard]] Asset read_splats_sog_levels(const ImportSource& source);
 
 }  // namespace gs::app

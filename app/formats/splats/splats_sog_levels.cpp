@@ -16,8 +16,8 @@
 #include <variant>
 #include <vector>
 
-// Import of streamed SOG (PlayCanvas): lod-meta.json has a tree of boxes. Each leaf has the same part of the scene at
-// several levels of detail, as ranges of splats of SOGs in folders beside it.
+// Import of streamed SOG (PlayCanvas): lod-meta.json has a tree of boxes. Each leaf has one part of the scene at
+// several levels of detail. A level is a range of splats of a SOG in a folder beside lod-meta.json.
 namespace gs::app {
 namespace {
 
@@ -26,8 +26,8 @@ using LevelsJson = nlohmann::json;
 constexpr std::string_view kLevelsName = "lod-meta.json";
 constexpr std::size_t kMostLevelsBytes = std::size_t{64} << 20;
 constexpr std::size_t kMostLevels = 64, kMostLeaves = 1'000'000, kMostSogFiles = 65536, kMostNesting = 200;
-constexpr std::size_t kMostFailures = 16;  // files that cannot be read, before the import gives up
-// Memory of one splat in bytes while a scene is read: twice, with harmonics of degree 3.
+constexpr std::size_t kMostFailures = 16;  // number of unreadable files after which the import gives up
+// Memory in bytes for one splat while a scene is read: two copies, with harmonics of degree 3.
 constexpr std::uint64_t kLevelSplatBytes = 2 * (kSplatMemory + 2 * sizeof(glm::vec3) * 15);
 
 /// Splats of one level of a leaf.
@@ -158,7 +158,7 @@ class LevelsReader {
   std::size_t chosen_count = 0, whole = 0;  // splats of the chosen and of the finest levels
 
  private:
-  /// Returns the chosen run of each leaf that has any.
+  /// Returns the chosen run of each leaf that has a readable run.
   std::vector<SogRun> choose() {
     const std::uint64_t most = budget_->left(Resource::vectors) / kLevelSplatBytes;
     std::vector<SogLeaf> here;
@@ -170,7 +170,7 @@ class LevelsReader {
       whole += leaf.front().count;
       if (!kept.empty()) here.push_back(std::move(kept));
     }
-    // Begins with the coarsest levels, and makes all parts finer, level by level, while they fit.
+    // Starts with the coarsest levels, and refines all parts level by level while they fit into memory.
     std::vector<std::size_t> at;
     std::uint64_t total = 0;
     for (const SogLeaf& leaf : here) {

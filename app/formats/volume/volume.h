@@ -26,7 +26,7 @@ struct VolumeOrigin {
   VoxelComponent component{};
   ReadFiles read_files = {};    // reads files of a container; null reads below the file's folder
   ListFolder list_folder = {};  // lists folders of a container; null with `read_files` means that none can be listed
-  NeedBytes need = {};          // reads parts of the file from a server; null if the whole file is there
+  NeedBytes need = {};          // receives parts of the file from a server; null if the file is complete
 };
 
 /// Returns the file that stands for a local folder of a scan (DICOM): the first one that is a volume. Returns an empty
@@ -64,7 +64,7 @@ inline constexpr std::string_view kIsMesh = " is a mesh; expected a volume";
 
 /// Returns true if a file on a server can be read by parts. `first` are its first bytes.
 [[nodiscard]] bool reads_by_parts(std::string_view name, std::span<const std::byte> first);
-/// Returns true if a file of this name may be one that can be read by parts.
+/// Returns true if the extension of a name belongs to a format that can be read by parts.
 [[nodiscard]] bool may_read_by_parts(std::string_view name);
 
 /// Name and file names of a format, for help and documentation.

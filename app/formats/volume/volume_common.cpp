@@ -84,7 +84,7 @@ void read_magnitudes(const StoredVoxels& voxels, const qnv::VolumeLayout& stored
   }
 }
 
-/// Makes a slice readable if a server has the file. `slice_voxels` are its voxels.
+/// Makes a slice readable if a server has the file. `slice_voxels` is the number of its voxels.
 bool have_slice(const StoredVoxels& voxels, std::uint64_t slice_voxels, std::uint32_t z) {
   if (!voxels.content.need) return true;
   const bool follow = voxels.plane > 0;
@@ -99,7 +99,7 @@ bool have_slice(const StoredVoxels& voxels, std::uint64_t slice_voxels, std::uin
   return needed.finish();
 }
 
-/// Makes a box readable if a server has the file. `begin` is the offset of the first voxel, `step` its bytes.
+/// Makes a box readable if a server has the file. `begin` is the offset of the first voxel, `step` the size of a voxel.
 bool have_box(const StoredVoxels& voxels, std::uint64_t begin, std::size_t step,
               const std::array<std::uint32_t, 3>& dimensions, const qnv::VoxelBox& box) {
   if (!voxels.content.need) return true;

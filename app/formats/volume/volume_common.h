@@ -120,7 +120,7 @@ struct VolumeFormat {
   VolumeFormatName name;
   bool (*sniff)(std::span<const std::byte> bytes);  // tests the first bytes; null if only the name decides
   VolumeResult (*open)(const VolumeFile& file);
-  /// Returns true if a file with these first bytes is read by parts (SharedBytes::need). Null means that none is.
+  /// Returns true if a file with these first bytes can be read by parts (SharedBytes::need). Null means never.
   bool (*by_parts)(std::span<const std::byte> bytes) = nullptr;
 };
 /// Returns the table of formats.
@@ -129,7 +129,7 @@ struct VolumeFormat {
 [[nodiscard]] bool is_nrrd(std::span<const std::byte> bytes);
 /// Reports whether the header of a NRRD file names a separate data file.
 [[nodiscard]] bool is_detached_nrrd(std::span<const std::byte> bytes);
-/// Report whether the header is complete, and plain voxels follow it in the file.
+/// Report whether the header is complete, and uncompressed voxels follow it in the file.
 [[nodiscard]] bool is_plain_nrrd(std::span<const std::byte> bytes);
 [[nodiscard]] bool is_plain_meta_image(std::span<const std::byte> bytes);
 [[nodiscard]] bool is_plain_nifti(std::span<const std::byte> bytes);

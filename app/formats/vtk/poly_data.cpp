@@ -177,7 +177,7 @@ std::optional<ColorKey> key_of_blocks(std::span<const PolyBlock> blocks, MeshBui
   return color_key_of_choice(all, valued[0]->title, builder.choice());
 }
 
-/// Reports whether arrows are chosen and there are vectors for them.
+/// Reports whether the user chose arrows, and a block has vectors at its points.
 bool has_arrows(std::span<const PolyBlock> blocks, const MeshBuilder& builder) {
   return builder.choice().flow == FlowForm::arrows &&
          std::ranges::any_of(blocks, [](const PolyBlock& block) { return !block.data.of_points.vectors.empty(); });
@@ -195,7 +195,7 @@ void build_arrows(std::vector<PolyBlock> blocks, MeshBuilder& builder) {
     vectors.insert(vectors.end(), shown.vectors.begin(), shown.vectors.end());
     if (title.empty()) title = shown.title;
     block.data.of_points = block.data.of_cells = {};
-    // Points alone would hide the arrows.
+    // Leaves out blocks without cells, because drawing all their points would hide the arrows.
     const auto has_cells = [](const PolyCells& cells) { return !cells.ends.empty(); };
     if (std::ranges::any_of(block.data.cells, has_cells)) PolyBuilder(std::move(block), std::nullopt, builder).run();
   }

@@ -32,7 +32,7 @@ struct PolyData {
     std::vector<float> values;
     std::vector<vrml::Color> colors;
     std::string title;
-    std::vector<glm::vec3> vectors{};  // of points, for arrows; NaN where missing; empty if nobody asked for arrows
+    std::vector<glm::vec3> vectors{};  // of points, for arrows; NaN where missing; empty if arrows are not chosen
 
     [[nodiscard]] bool empty() const { return values.empty() && colors.empty(); }
   };
@@ -53,7 +53,7 @@ struct PolyBlock {
 /// Returns the end of a title: " (length)" or " (component 1)" for values of several parts.
 [[nodiscard]] std::string part_text(std::size_t parts, const VoxelComponent& choice);
 
-/// Appends a value with one or several parts to data: the number to show and, for arrows, the vector.
+/// Appends a value with one or several parts to data, as the number to show and, for arrows, as a vector.
 void append_number(std::span<const double> parts, const VoxelComponent& choice, PolyData::Data& data);
 
 /// Returns the path of the data of points or cells in the list of a surface's arrays: "/PointData/NAME".
@@ -66,9 +66,9 @@ void append_number(std::span<const double> parts, const VoxelComponent& choice, 
                                         const std::function<void(std::size_t entry)>& choose, std::string usual);
 
 /// Adds the data to the mesh: polygons and strips as faces, lines, vertices (or all points, if there are no cells) as
-/// points. Scalars are coloured as the builder's choice states; point scalars take
-/// precedence over cell scalars. The colour key describes their range. If arrows are chosen, vectors of points are drawn
-/// as arrows over the surface, which is then grey. Throws OutOfBudget.
+/// points. Scalars are coloured as the builder's choice states; point scalars take precedence over cell scalars. The
+/// colour key describes their range. If arrows are chosen, adds arrows for vectors of points and makes the surface
+/// grey. Throws OutOfBudget.
 void build_poly_data(PolyData data, MeshBuilder& builder);
 /// Adds the blocks of a surface with their names. They share a colour key. Throws OutOfBudget.
 void build_poly_blocks(std::vector<PolyBlock> blocks, MeshBuilder& builder);

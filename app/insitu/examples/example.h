@@ -26,7 +26,7 @@ static void example_log(void* context, const char* message) {
   fprintf(stderr, "insitu: %s\n", message);
 }
 
-/* Reads options such as --size 64 --steps 200 --every 10 --folder out --serve --port 8123. Exits after a mistake. */
+/* Reads options such as --size 64 --steps 200 --every 10 --folder out --serve --port 8123. Exits on invalid options. */
 static example example_begin(int argc, char** argv, int size) {
   example e;
   int i;
@@ -83,7 +83,7 @@ static example example_begin(int argc, char** argv, int size) {
   return e;
 }
 
-/* Opens the session. Without --folder and --serve there is none: the time of such a run is that of the simulation. */
+/* Opens the session. Without --folder and --serve, opens none, so that the simulation alone can be timed. */
 static void example_open(example* e, const char* title) {
   gs_insitu_options options;
   const gs_insitu_communicator* communicator = NULL;
@@ -125,7 +125,7 @@ static void example_pause(const example* e) {
   if (e->pause_ms > 0) nanosleep(&wait, NULL);
 }
 
-/* Ends the session, and prints what it cost. */
+/* Ends the session, and prints its cost. */
 static void example_end(example* e) {
   gs_insitu_statistics s;
   memset(&s, 0, sizeof s);
@@ -147,7 +147,7 @@ static void example_end(example* e) {
 #endif
 }
 
-/* Layers of a grid of n layers that a rank owns: from first to before end. */
+/* Computes the layers [first, end) of n that this rank owns. */
 static void example_share(const example* e, int n, int* first, int* end) {
   *first = (int)((long long)n * e->rank / e->ranks);
   *end = (int)((long long)n * (e->rank + 1) / e->ranks);

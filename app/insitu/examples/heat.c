@@ -54,7 +54,7 @@ int main(int argc, char** argv) {
         block.size = sizeof block;
         block.whole_extent[1] = block.whole_extent[3] = block.whole_extent[5] = n - 1;
         block.extent[1] = block.extent[3] = n - 1;
-        block.extent[4] = first - 1; /* the ghost layers are outside of the grid at both ends */
+        block.extent[4] = first - 1; /* the outermost ghost layers are outside of the grid */
         block.extent[5] = end;
         block.spacing[0] = block.spacing[1] = block.spacing[2] = 1.0 / n;
         block.ghost[4] = block.ghost[5] = 1;

@@ -31,7 +31,7 @@ struct UiDataActions {
   std::optional<std::size_t> file_beside, file_over;   // indices in UiModel::files
   std::optional<std::size_t> remove_over;              // index in UiData::over
   std::optional<bool> follow, newest;
-  std::optional<std::string> live, live_token;  // change of a parameter, as LiveControl::change(); and its token
+  std::optional<std::string> live, live_token;  // requested change, as for LiveControl::change(), and token
 };
 
 /// Returns `choice` with another dataset of the same file. Keeps the step and the colour map.

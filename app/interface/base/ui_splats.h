@@ -21,8 +21,8 @@ struct UiSplats {
   SplatsRemoved removed;
   std::size_t shown = 0;  // number of splats in the picture
   bool busy = false;      // the picture does not show the present edit yet
-  std::string problem;    // why it cannot be shown; empty if there is no problem
-  std::string command;    // that makes the edited file, for copying
+  std::string problem;    // reason why the edit cannot be shown; empty if it can
+  std::string command;    // command line that makes the edited file, for copying
   /// Edges of the crop box, in framebuffer pixels.
   std::vector<std::pair<glm::vec2, glm::vec2>> edges;
 };

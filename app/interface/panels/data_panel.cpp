@@ -42,7 +42,7 @@ std::string data_facts(const DatasetEntry& entry) {
   return facts;
 }
 
-/// Returns a text for formats of printf.
+/// Escapes a text for use in a printf format.
 std::string percent_free(std::string text) {
   std::erase(text, '%');
   return text;
@@ -327,7 +327,7 @@ void DataPanel::live_rows(const UiData& data, UiDataActions& actions) {
     ImGui::PopTextWrapPos();
     data_label("Token", frame_->scale);
     (void)text_field("##livetoken", "Token of the simulation", live_token_, data_width(), false);
-    frame_->tooltips.show("Text in the token file of the simulation; needed on other machines");
+    frame_->tooltips.show("Content of the simulation's token file; needed if it runs on another machine");
   }
   if (actions.live && !live_token_.empty()) actions.live_token = live_token_;
 }

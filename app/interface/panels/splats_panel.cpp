@@ -13,8 +13,8 @@ namespace gs::app {
 namespace {
 
 constexpr float kSplatLabel = 76, kSplatReading = 76;  // at scale 1
-constexpr float kSmallestShare = 1e-4f;                // of the largest splat, at the left end of the slider
-constexpr double kDragShare = 0.002;                   // of the size of the scene, for one pixel
+constexpr float kSmallestShare = 1e-4f;                // left end of the size slider, relative to the largest splat
+constexpr double kDragShare = 0.002;                   // distance for a drag of one pixel, relative to the scene
 constexpr float kShownStops = 4;
 
 void splat_label(const char* what, float scale) {
@@ -139,7 +139,7 @@ void SplatsPanel::button_rows(const UiSplats& splats, SplatEdit& edit, UiActions
   ImGui::BeginDisabled(!edits);
   if (ImGui::Button("Reset all")) edit = {};
   ImGui::EndDisabled();
-  frame_->tooltips.show("Shows the file as it is");
+  frame_->tooltips.show("Removes all edits");
   ImGui::SameLine();
   if (ImGui::Button("Save as...")) actions.run = Action::save_as;
   frame_->tooltips.show("Writes the edited splats as .3dgs.ply, .spz, .sog, .splats.glb or .qnv");

@@ -212,7 +212,7 @@ bool GeometryHandler::show_next_version() {
                                  loading_.budget);
   if (!geometry) return false;
   auto* const volume = geometry->as<qnv::Volume>();
-  // Pictures are slices, which need no gradients.
+  // Pictures are shown as slices, which need no gradients.
   const auto& sides = source.layout.dimensions;
   const bool is_solid = std::all_of(sides.begin(), sides.end(), [](std::uint32_t side) { return side > 1; });
   if (!has_more() && volume && volume->empty() && is_solid)

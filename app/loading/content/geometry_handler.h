@@ -79,7 +79,7 @@ class GeometryHandler final : public ResourceHandler {
   void read_array();
   /// Shows the next version of a volume. Returns false if it has nothing to show.
   bool show_next_version();
-  /// Warns of parts of the file that could not be received or read, once.
+  /// Warns once of parts of the file that could not be received or read.
   void warn_of_trouble();
   void report_problems(const std::vector<qnv::StreamProblem>& problems, Severity severity);
   /// Stops reading after a part exceeded the memory budget. That part is omitted.

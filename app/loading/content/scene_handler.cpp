@@ -93,7 +93,7 @@ bool SceneHandler::choose_type(bool last) {
   return true;
 }
 
-// If the file is a series of other files than those of VTK, this handler reads its wanted step instead.
+// Reads the wanted step instead of the file if the file is a series in JSON without VTK files.
 bool SceneHandler::begin_step(std::span<const std::byte> series) {
   if (use_.role != Role::root || is_step_ || cut) return false;
   auto& wanted = context_.loading.options.component.step;

@@ -89,7 +89,7 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   std::vector<std::byte> waiting_;  // bytes before the type is known, and bytes of a series in JSON
   Share waiting_share_;
   const ContentType* type_ = nullptr;
-  bool is_series_ = false, is_step_ = false;  // of a root: a series in JSON; a step of such a series
+  bool is_series_ = false, is_step_ = false;  // the root is a series in JSON; a step of such a series
   std::unique_ptr<Fetch> step_;               // fetch of a step, until the series has ended
   std::unique_ptr<SceneContent> content_;     // null before the type is known and after the end
   std::size_t bytes_ = 0, errors_before_ = 0;

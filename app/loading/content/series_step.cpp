@@ -12,7 +12,7 @@
 namespace gs::app {
 namespace {
 
-// Reports whether the reader of VTK takes the files of a series with this name.
+// Reports whether the reader of VTK reads a series with a file of this name as a whole.
 bool is_for_vtk(const std::string& name) {
   const std::string lower = lower_case(name);
   const std::size_t point = lower.rfind('.');
@@ -38,7 +38,7 @@ std::optional<SeriesStep> step_of_series(std::span<const std::byte> bytes,
   if (!index || index->members.empty() || is_for_vtk(index->members.front().file)) return std::nullopt;
   std::vector<VtkMember>& members = index->members;
   std::ranges::stable_sort(members, {}, &VtkMember::time);
-  // Of a very long series, the newest steps can be chosen.
+  // Keeps only the newest steps of a very long series.
   if (members.size() > kMaxTimeSteps)
     members.erase(members.begin(), members.end() - static_cast<std::ptrdiff_t>(kMaxTimeSteps));
   SeriesStep step;

@@ -20,8 +20,8 @@ struct SeriesStep {
 [[nodiscard]] bool is_file_series(std::span<const std::byte> first);
 
 /// Returns the wanted step of a series, or the first step if `wanted` is nullopt. Sorts the steps by time. Returns
-/// nullopt if the bytes are no valid series, or if the files are those of VTK: the reader of VTK reads such a series as
-/// a whole. Safe for untrusted bytes.
+/// nullopt if the bytes are not a valid series. Returns nullopt also for files of VTK, because the reader of VTK reads
+/// such a series as a whole. Safe for untrusted bytes.
 [[nodiscard]] std::optional<SeriesStep> step_of_series(std::span<const std::byte> bytes,
                                                        const std::optional<qnv::ShownStep>& wanted);
 

@@ -74,8 +74,8 @@ class ContentHandler {
   /// Reports that the feed takes all further bytes. The caller passes no more bytes and does not call `end`.
   virtual void leave_to_feed() {}
 
-  /// Offers the rest of a resource by parts, after its first bytes were received. Returns false to receive it in order.
-  /// Otherwise the caller passes no more bytes and calls `end`.
+  /// Offers the rest of a resource by parts, after its first bytes were received. Returns false to receive the rest in
+  /// order. If it returns true, the caller passes no more bytes and calls `end`.
   virtual bool take_parts(const PartsOffer&) { return false; }
 
   /// Reports that reading was stopped on purpose. `end` or `missing` came before.

@@ -20,7 +20,7 @@ struct Fetch {
   std::vector<net::Url> candidates;  // URLs in the order of the attempts, with fragments
   std::size_t next = 0;
   std::size_t optional = 0;  // number of first candidates that may fail without a message
-  std::vector<net::Url> together;  // files to read at once, with the candidates; none reads one candidate after another
+  std::vector<net::Url> together;  // all files to read at once, with the candidates; if empty, reads one by one
   net::Origin from;  // origin of the text that contains the reference
   std::string given_path;  // path of a file, spelled as by the user
   int priority = 0;
@@ -51,7 +51,7 @@ struct Fetch {
   Stage stage = Stage::seeking;
   std::uint64_t received = 0;
   std::optional<std::uint64_t> total;
-  std::shared_ptr<std::atomic<std::uint64_t>> parts;  // bytes of parts that were received; null if it is read in order
+  std::shared_ptr<std::atomic<std::uint64_t>> parts;  // received bytes of parts; null if the file is read in order
   std::uint64_t row = 0;  // row number in the LoadLedger
 
   static constexpr std::uint64_t kNoLimit = ~std::uint64_t{0};

@@ -274,7 +274,7 @@ bool Fetcher::begin_local(Fetch& fetch, const net::Url& url) {
   return true;
 }
 
-// Reads all files of `together` at once when the first candidate begins. Returns false if it does not exist.
+// Reads all files of `together` at once for the first candidate. Returns false if `url` could not be read.
 bool Fetcher::begin_together(Fetch& fetch, const net::Url& url, Found& found) {
   if (!ahead_) {
     ahead_ = served_files();

@@ -53,7 +53,7 @@ class Fetcher {
   [[nodiscard]] ReadFiles files_of(const net::Origin& origin);
   /// Returns a function that reads several files for views, as long as they live and on any thread.
   [[nodiscard]] ReadFiles files_for_views(const net::Origin& origin);
-  /// Returns a reader of files of servers for views.
+  /// Returns a reader that receives files from servers for views.
   [[nodiscard]] std::shared_ptr<ServedFiles> served_files() const;
   /// Handles some received data, or waits for it for at most `wait`. Returns false if nothing is being read.
   bool step(std::chrono::milliseconds wait);
@@ -99,7 +99,7 @@ class Fetcher {
   [[nodiscard]] ReadFiles files_by(const net::Origin& origin, ReadWanted read) const;
 
   net::ReferencePolicy policy_;
-  std::shared_ptr<ServedFiles> ahead_;  // has files that were read together; the first views use it
+  std::shared_ptr<ServedFiles> ahead_;  // holds files that were read at once; the first views use it
   NetworkTransfers network_;
   CellTransfers cells_;
   std::vector<std::unique_ptr<Fetch>> fetches_;  // incomplete fetches

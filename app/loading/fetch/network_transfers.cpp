@@ -50,7 +50,7 @@ void NetworkTransfers::begin(Fetch& fetch) {
   if (fetch.max_bytes != Fetch::kNoLimit) ranges = {{0, fetch.max_bytes}};
   const std::string& path = fetch.candidates[fetch.next - 1].path;
   const bool by_view = loading_.options.by_view || loading_.options.large_by_view || loading_.options.one_step;
-  // A file that grows is another version at each request.
+  // A growing file has another version at each request, so it is read as a whole.
   const bool by_parts = (loading_.options.by_view || loading_.options.large_by_view) &&
                         !loading_.options.component.growing && may_read_by_parts(path);
   const bool is_long = ranges.empty() && ((by_view && path.ends_with(".qnv")) || by_parts);
@@ -203,7 +203,7 @@ bool NetworkTransfers::take_front(Fetch& fetch, const net::LoadHead& head) {
   return false;
 }
 
-// Lets the handler read a file of datasets or voxels by parts. Returns false if it needs the file in order.
+// Offers a file of datasets or voxels to its handler by parts. Returns false if the handler needs the file in order.
 bool NetworkTransfers::read_parts(Fetch& fetch) {
   const net::Url& url = fetch.candidates[fetch.next - 1];
   if (*fetch.total < PartialFile::kLeastFile || loading_.options.component.growing || !may_read_by_parts(url.path))

@@ -40,7 +40,7 @@ std::uint64_t PartialFile::received() const {
   return received_;
 }
 
-// Returns the bytes to receive for a single read. Reads that follow each other get larger blocks.
+// Returns the range to receive for a single read. Consecutive reads get larger blocks.
 net::ByteRange PartialFile::block_of(const ByteSpan& part) {
   const std::uint64_t end = part.offset + part.bytes;
   const bool follows = part.offset >= next_ && part.offset - next_ < kLeastBlock;

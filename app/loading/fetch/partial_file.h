@@ -31,11 +31,11 @@ struct FilePlace {
 struct PartsOffer {
   FilePlace place;
   std::shared_ptr<ServedFiles> served;
-  std::shared_ptr<std::atomic<std::uint64_t>> received{};  // counts the bytes that are received later; may be null
+  std::shared_ptr<std::atomic<std::uint64_t>> received{};  // counts the bytes of received parts; may be null
 };
 
-/// File of a server of which only the needed parts are received. They are written to a sparse temporary file of the
-/// same size. Single small reads receive blocks, which grow while reads follow each other. Any thread.
+/// File on a server, received only in the needed parts. A sparse temporary file of the same size holds them. Single
+/// small reads receive blocks, which grow while reads are consecutive. Any thread.
 class PartialFile : NonCopyable {
  public:
   static constexpr std::uint64_t kLeastBlock = std::uint64_t{1} << 16, kMostBlock = std::uint64_t{4} << 20;
@@ -49,19 +49,19 @@ class PartialFile : NonCopyable {
   [[nodiscard]] const std::string& problem() const { return problem_; }
   /// Returns the path of the temporary file.
   [[nodiscard]] const std::string& path() const { return file_.path(); }
-  /// Receives parts of the file that are missing. Blocks. Returns false if a part cannot be received, or lies outside
-  /// of the file. After a change on the server or a failure of the disk, it receives nothing more.
+  /// Receives the missing bytes of parts. Blocks. Returns false if a part cannot be received, or is outside of the
+  /// file. After a change on the server or a failure of the disk, receives nothing more.
   [[nodiscard]] bool need(std::span<const ByteSpan> parts);
   /// Returns the first problem, with the URL; empty if there is none.
   [[nodiscard]] std::string trouble() const;
-  /// Returns the bytes that were received so far.
+  /// Returns the number of bytes received so far.
   [[nodiscard]] std::uint64_t received() const;
 
  private:
   [[nodiscard]] net::ByteRange block_of(const ByteSpan& part);
   [[nodiscard]] bool write(std::uint64_t offset, std::span<const std::byte> bytes);
   void fail(std::string problem, bool for_good);
-  /// Learns the speed of the connection from a request for `ranges` that received `bytes`.
+  /// Estimates latency and rate from a request for `ranges` ranges that received `bytes` bytes.
   void measure(std::size_t ranges, std::uint64_t bytes, std::chrono::steady_clock::duration time);
 
   const FilePlace place_;
@@ -75,8 +75,8 @@ class PartialFile : NonCopyable {
   std::uint64_t next_ = 0;  // end of the last single read
   std::uint64_t ahead_ = kLeastBlock;
   std::uint64_t received_ = 0;
-  double seconds_ = 0, bytes_per_second_ = 0;  // of a request for one range; best rate so far
-  std::uint64_t gap_ = 8192;                   // a shorter gap costs less than another request
+  double seconds_ = 0, bytes_per_second_ = 0;  // latency of a request; best rate so far
+  std::uint64_t gap_ = 8192;                   // receiving a shorter gap is faster than another request
   std::string trouble_;
   bool failed_ = false;
 };

@@ -31,7 +31,7 @@ struct ReadingHooks {
   std::function<void(net::LoadEvent)> other{};        // takes events of other requests; may be null
   std::function<void()> wait;                         // waits for events of the loader
   std::function<void(std::uint64_t bytes)> received{};  // counts received bytes; may be null
-  std::function<void(std::size_t index, const net::LoadHead&)> head{};  // takes the heads of the resources; may be null
+  std::function<void(std::size_t index, const net::LoadHead&)> head{};  // takes the head of each resource; may be null
 };
 
 /// Returns the bytes of several resources, which are requested at once. Blocks. Charges them to `budget`.
@@ -39,7 +39,7 @@ struct ReadingHooks {
                                                      const net::Origin& from, const WorldBudget& budget,
                                                      const ReadingHooks& hooks);
 
-/// Parts of one version of a resource on a server.
+/// Ranges to receive of one version of a resource on a server.
 struct WantedRanges {
   net::Url url;
   net::Validator validator;
@@ -72,12 +72,12 @@ class ServedFiles : NonCopyable {
   [[nodiscard]] std::vector<FileResult> read(std::span<const WantedPart> wanted, const net::Origin& from);
   [[nodiscard]] std::optional<RangesProblem> read_ranges(const WantedRanges& wanted, const net::Origin& from,
                                                          const TakeBytes& take);
-  /// Resource that was read ahead.
+  /// Resource that was read before its first use.
   struct Ahead {
     FileResult result;
     std::optional<net::LoadHead> head;
   };
-  /// Reads resources at once and keeps them. The next read() of each one needs no request.
+  /// Reads resources at once, and keeps them. The next read() of each resource needs no request.
   void read_ahead(std::span<const net::Url> urls, const net::Origin& from);
   /// Returns a resource that was read ahead and not read since, or null.
   [[nodiscard]] const Ahead* find_ahead(const net::Url& url) const;

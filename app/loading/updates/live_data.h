@@ -8,8 +8,8 @@ class SceneGraph;
 
 namespace gs::app {
 
-/// Returns the relative URL of the JSON resource of a running simulation (docs/insitu.md). The world has it in the
-/// `info` of a WorldInfo, as "live data: URL". Returns "" if there is none.
+/// Returns the relative URL of the JSON resource of a running simulation (docs/insitu.md). A WorldInfo of the world has
+/// the URL in its `info`, as "live data: URL". Returns "" if there is none.
 [[nodiscard]] std::string live_data_of(const vrml::SceneGraph& scene);
 
 }  // namespace gs::app

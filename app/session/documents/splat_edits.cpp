@@ -10,7 +10,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMostRanked = 200'000;  // splats of which percentiles are found
+constexpr std::size_t kMostRanked = 200'000;  // maximum number of splats for percentiles
 
 SplatExtent extent_of_splats(const qnv::Gaussians& splats) {
   SplatExtent extent;
@@ -73,7 +73,7 @@ void SplatEdits::go(int direction) {
   if (from.empty()) return;
   to.push_back(std::move(from.back()));
   from.pop_back();
-  to.back().gesture = 0;  // a later gesture is another change
+  to.back().gesture = 0;  // later changes of this gesture are a new entry
   edit_ = direction < 0 ? to.back().before : to.back().after;
 }
 

@@ -21,12 +21,12 @@ namespace gs::app {
 
 struct Document;
 
-/// Gaussian splats of a world that consists of nothing else.
+/// Gaussian splats of a world that has no other content.
 struct OnlySplats {
   ResourceUpdates::Place place;  // the QNV node
   std::shared_ptr<const qnv::Geometry> geometry;
 };
-/// Returns the splats of a file of splats; nullopt for worlds with nodes of their own, and for other content.
+/// Returns the splats of a world that is a file of splats. Returns nullopt for all other worlds.
 [[nodiscard]] std::optional<OnlySplats> only_splats(const LoadedWorld& world);
 
 /// Extent of splats before any edit, for the ranges of controls.
@@ -36,12 +36,12 @@ struct SplatExtent {
   float largest = 0;  // longest standard deviation
 };
 
-/// Edit of the splats of a file by the user, its history, and the edited splats that the world shows. A thread of its
-/// own makes them; the last ones stay until they are ready. World's thread. The destructor waits for that thread.
+/// Edit of the splats of a file by the user, its history, and the edited splats in the world. World's thread. A
+/// background thread makes new splats; until then, the world shows the previous ones. The destructor waits for it.
 class SplatEdits : NonCopyable {
  public:
   [[nodiscard]] const SplatEdit& edit() const { return edit_; }
-  /// Sets the edit. Changes of one gesture count as one; 0 means none. `time` is in seconds since 1970.
+  /// Sets the edit. Changes with one `gesture` are undone together; 0 means no gesture. `time`: seconds since 1970.
   void set(const SplatEdit& edit, double time, std::uint64_t gesture = 0);
   /// Undoes (-1) or redoes (1) the last change.
   void go(int direction);
@@ -52,12 +52,12 @@ class SplatEdits : NonCopyable {
   [[nodiscard]] bool unsaved() const { return edit_ != saved_; }
   void mark_saved(const SplatEdit& saved) { saved_ = saved; }
 
-  /// Makes the world show the edited splats, as far as they are ready. Call in each step. Returns true if the world
-  /// changed. Another thread calls `wake` when more is ready.
+  /// Makes the world show the edited splats once they are ready. Call in each step. Returns true
+  /// if the world or the problem changed. The background thread calls `wake` when splats are ready.
   bool follow(Document& document, const std::function<void()>& wake);
-  /// Returns true while the world does not show the present edit yet.
+  /// Returns true while the background thread makes edited splats.
   [[nodiscard]] bool busy() const { return coming_.valid(); }
-  /// Returns the numbers of removed splats in the present picture.
+  /// Returns the numbers of splats that the last finished edit removed.
   [[nodiscard]] const SplatsRemoved& removed() const { return removed_; }
   /// Returns the reason why the edit is not shown; empty if there is none.
   [[nodiscard]] const std::string& problem() const { return problem_; }
@@ -83,7 +83,7 @@ class SplatEdits : NonCopyable {
 
   SplatEdit edit_, saved_;
   std::vector<Change> done_, undone_;  // the next change to undo or redo is the last one
-  Shared original_, shown_;            // without and with the edit `made_`
+  Shared original_, shown_;            // splats without and with the edit `made_`
   SplatEdit made_;
   std::optional<SplatEdit> failed_;
   SplatsRemoved removed_;

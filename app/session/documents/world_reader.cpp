@@ -20,22 +20,22 @@ constexpr std::chrono::milliseconds kInitialBatchDelay{
     150};                 // results within this time become part of the first picture
 constexpr int kRest = 3;  // pause until the next collection, as a multiple of its duration
 
-/// Coarse version of a large volume on a server that is reached by ssh, shown until the first vectors of its stream are
-/// received. One thread.
+/// Coarse version of a large volume on a server reached by ssh. Shown until the first vectors of the complete stream
+/// are received. One thread.
 class CoarseVersion {
  public:
   CoarseVersion(const std::string& path, const LoadOptions& options) {
     const std::string url = coarse_url_of(path, options);
     if (url.empty()) return;
     LoadOptions coarse = options;
-    coarse.by_view = coarse.large_by_view = false;  // its views have no reader that requests ranges
+    coarse.by_view = coarse.large_by_view = false;  // the preview has no reader that requests ranges
     coarse.component.found = nullptr;
     coarse.ledger = nullptr;
     loading_.emplace(url, coarse);
   }
 
-  /// Handles received data. Returns a preview of the world `path`, or only that its stream grew; nullopt if nothing has
-  /// changed.
+  /// Handles received data. Returns a preview of the world `path`, or news without a preview if only the stream grew.
+  /// Returns nullopt if nothing changed.
   std::optional<WorldReader::News> take(const std::string& path, const WorldLoading& whole) {
     if (!loading_) return std::nullopt;
     (void)loading_->step(std::chrono::milliseconds(0));

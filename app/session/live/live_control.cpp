@@ -53,7 +53,7 @@ std::optional<LiveState> read_live_state(std::string_view text) {
                        false};
     if (const auto integer = one.find("integer"); integer != one.end() && integer->is_boolean())
       made.integer = integer->get<bool>();
-    constexpr double kLargest = 1e300;  // of sliders
+    constexpr double kLargest = 1e300;  // limit of sliders
     if (made.name.empty() || std::abs(made.minimum) > kLargest || std::abs(made.maximum) > kLargest ||
         !std::isfinite(made.minimum) || !std::isfinite(made.maximum) || !(made.minimum <= made.maximum) ||
         !std::isfinite(made.value))
@@ -96,7 +96,7 @@ std::string LiveControl::active_url() const {
   const net::Url base = net::parse_url(view->document->world.path);
   if (base.scheme != "http" && base.scheme != "https") return {};
   const net::Url target = net::resolve(base, net::parse_url(view->document->world.live));
-  // The resource belongs to the server of the world.
+  // Accepts only resources on the server of the world.
   return target.scheme == base.scheme && target.authority == base.authority ? target.text() : std::string();
 }
 
@@ -147,7 +147,7 @@ void LiveControl::check() {
 
 std::optional<double> LiveControl::next_due() const {
   if (url_.empty()) return std::nullopt;
-  // The thread wakes the session just before its result is there.
+  // The thread wakes the session shortly before its result is ready.
   constexpr double kSoon = 0.05;
   return coming_.valid() ? step_.now + kSoon : due_;
 }

@@ -54,7 +54,7 @@ class LiveControl : NonCopyable {
   [[nodiscard]] std::optional<double> next_due() const;
   /// Returns the simulation of the active viewport; null if there is none.
   [[nodiscard]] const LiveState* state() const { return state_ ? &*state_ : nullptr; }
-  /// Requests a change, such as "feed=0.03" or "field=V". An empty `token` means the one of this user's machine.
+  /// Requests a change, such as "feed=0.03" or "field=V". If `token` is empty, uses token_of_simulation().
   void change(const std::string& query, const std::string& token);
 
  private:
@@ -76,7 +76,7 @@ class LiveControl : NonCopyable {
 };
 
 /// Returns the token for a simulation on this machine, from its file (net::usual_token_file). Returns "" for other
-/// hosts, or if the file is missing or is no token.
+/// hosts, or if the file is missing or invalid.
 [[nodiscard]] std::string token_of_simulation(const std::string& url);
 
 }  // namespace gs::app

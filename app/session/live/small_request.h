@@ -16,8 +16,8 @@ struct SmallAnswer {
   std::string problem;  // empty if the request succeeded
 };
 
-/// Sends one request and waits for its answer, at most 30 s, until `stop` is true. With `head_only`, returns at the
-/// head, without a body. Otherwise, accepts at most 1 MiB. Blocks. Any thread.
+/// Sends one request and waits for its answer, at most 30 s, or until `stop` is true. With `head_only`, returns after
+/// the head, without a body. Otherwise, accepts at most 1 MiB. Blocks. Any thread.
 [[nodiscard]] SmallAnswer small_request(net::Request request, bool head_only, const LoadOptions& load,
                                         const std::atomic<bool>& stop);
 

@@ -6,7 +6,7 @@ namespace gs::qnv {
 
 std::optional<EncodeError> agree(Ranks& ranks, const std::optional<EncodeError>& own) {
   if (ranks.count() == 1) return own;
-  // Errors are text without a zero byte, which ends each of them.
+  // A zero byte ends the error text of each rank. The texts contain none.
   std::string text = own ? own->message : std::string();
   text.push_back('\0');
   const std::vector<std::byte> all = ranks.gather(std::as_bytes(std::span(text)));

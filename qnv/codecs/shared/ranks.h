@@ -12,15 +12,15 @@
 
 namespace gs::qnv {
 
-/// Ranks: processes that encode one stream together. All of them call the same functions in the same order. This class
-/// is a single rank.
+/// Interface of a process to the ranks, which encode one stream together. All ranks call the same functions in the same
+/// order. This class has a single rank.
 class Ranks {
  public:
   virtual ~Ranks() = default;
 
   [[nodiscard]] virtual std::uint32_t rank() const { return 0; }
   [[nodiscard]] virtual std::uint32_t count() const { return 1; }
-  /// Returns the bytes of all ranks, those of rank 0 first. Waits for all of them.
+  /// Returns the bytes of all ranks, in the order of the ranks. Waits for all ranks.
   [[nodiscard]] virtual std::vector<std::byte> gather(std::span<const std::byte> own) {
     return {own.begin(), own.end()};
   }
@@ -38,7 +38,7 @@ struct RankShare {
   return {items * rank / count, items * (rank + 1) / count};
 }
 
-/// Returns the records of all ranks, those of rank 0 first.
+/// Returns the records of all ranks, in the order of the ranks.
 template <class Record>
 [[nodiscard]] std::vector<Record> gather_records(Ranks& ranks, std::span<const Record> own) {
   static_assert(std::is_trivially_copyable_v<Record>);
@@ -49,7 +49,7 @@ template <class Record>
   return all;
 }
 
-/// Returns the error of the first rank that has one. All ranks return the same.
+/// Returns the error of the first rank with an error; nullopt if no rank has one. Equal on all ranks.
 [[nodiscard]] std::optional<EncodeError> agree(Ranks& ranks, const std::optional<EncodeError>& own);
 
 }  // namespace gs::qnv

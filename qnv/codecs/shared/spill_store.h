@@ -24,17 +24,17 @@ class SpillStore {
   [[nodiscard]] virtual bool read(std::uint64_t offset, std::span<std::byte> to) const = 0;
   [[nodiscard]] virtual std::string problem() const { return "not enough memory"; }
 
-  // Stores that several processes share, and that outlive them, also have the following functions. Offsets are then
-  // those of all processes, and size() is the offset of the next byte that this process adds.
+  // Stores that several processes share, and that outlive the processes, override the following functions. Their
+  // offsets are valid in all processes, and size() is the offset of the next byte that this process appends.
 
-  /// Makes all bytes so far readable for other processes. Returns false on failure.
+  /// Makes all bytes appended so far readable for other processes. Returns false on failure.
   [[nodiscard]] virtual bool publish() { return true; }
-  /// Returns the result that finish() got for this work, by any process, in this run or before. Returns nullopt if
+  /// Returns the result that a process recorded for this work with finish(), also in an earlier run. Returns nullopt if
   /// there is none, or if its bytes are damaged.
   [[nodiscard]] virtual std::optional<std::vector<std::byte>> finished(std::string_view /*work*/) const {
     return std::nullopt;
   }
-  /// Records the result of work that added the bytes from `first` on. Returns false on failure.
+  /// Records the result of work that appended the bytes from offset `first` on. Returns false on failure.
   [[nodiscard]] virtual bool finish(std::string_view /*work*/, std::uint64_t /*first*/,
                                     std::span<const std::byte> /*result*/) {
     return true;

@@ -19,7 +19,7 @@ class StreamSink {
   virtual bool rewrite_front(std::span<const std::byte> bytes) = 0;
   /// Reports whether this process writes the next bytes. If not, the encoder may call skip() instead of write().
   [[nodiscard]] virtual bool wants() const { return true; }
-  /// Leaves out the next bytes, because another process writes them. Returns false if the output needs all bytes.
+  /// Skips the next bytes, because another process writes them. Returns false if the sink needs all bytes.
   virtual bool skip(std::uint64_t /*bytes*/) { return false; }
 };
 

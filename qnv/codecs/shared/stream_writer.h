@@ -33,7 +33,7 @@ class ChunkList {
   [[nodiscard]] virtual std::size_t size() const = 0;
   /// Returns nullopt if the payload cannot be read.
   [[nodiscard]] virtual std::optional<OutgoingChunk> chunk(std::size_t i) const = 0;
-  /// Returns a chunk without reading its payload, of which only the length is right.
+  /// Returns a chunk without reading its payload. The payload has the right length, but undefined bytes.
   [[nodiscard]] virtual std::optional<OutgoingChunk> outline(std::size_t i) const { return chunk(i); }
   /// Returns the payloads of a directory of type ChunkType::places for the first chunks; nullopt means a general
   /// directory. `entries` have the offsets and lengths.

@@ -25,7 +25,7 @@ struct CubeRun {
 
 /// Maximum number of cubes of a run.
 inline constexpr std::uint32_t kMostRunCubes = 1u << 20;
-/// Number of slices in a slab. Encoders end runs at each slab, so that slabs can be encoded independently.
+/// Number of slices in a slab. Encoders end runs at the end of each slab, so that slabs are independent.
 inline constexpr std::uint32_t kSlabSlices = 32;
 
 /// Returns the number of cubes per axis.
@@ -43,7 +43,7 @@ using TakeRun = std::function<void(CubeRun&&)>;
 template <class Number>
 class RunEncoder {
  public:
-  /// `first_slab` is the first one that arrives.
+  /// `first_slab` is the number of the first slab that the caller adds.
   RunEncoder(Extent extent, TakeRun take, std::uint64_t first_slab = 0);
   RunEncoder(RunEncoder&&) noexcept;
   ~RunEncoder();

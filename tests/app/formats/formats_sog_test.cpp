@@ -94,7 +94,7 @@ void put_name(Bytes& to, const std::string& name) {
   for (const char c : name) to.push_back(static_cast<std::byte>(c));
 }
 
-/// Returns a ZIP archive of stored files, in a folder; those of `last` follow the others.
+/// Returns a ZIP archive of uncompressed files in a folder. The files of `last` come last.
 Bytes zipped(const Files& files, const std::string& folder = "", const Files& last = {}) {
   Bytes archive, directory;
   std::vector<std::pair<std::string, Bytes>> all(files.begin(), files.end());
@@ -405,7 +405,7 @@ TEST_CASE("reads streamed SOG of another program, without its finest levels") {
   REQUIRE(std::holds_alternative<qnv::Gaussians>(read.asset));
   const auto& gaussians = std::get<qnv::Gaussians>(read.asset);
   INFO(gaussians.size());
-  CHECK(gaussians.size() > 27900);  // of level 3
+  CHECK(gaussians.size() > 27900);  // level 3
   CHECK(gaussians.size() <= 31000);
   CHECK(read.diagnostics.entries().size() == 3);  // levels 0, 1 and 2 are missing
 }

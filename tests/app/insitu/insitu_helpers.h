@@ -67,7 +67,7 @@ struct SmoothGrid {
     const auto part = [this](std::int64_t i) { return static_cast<double>(i) / static_cast<double>(n); };
     return 10 * part(x) + 5 * part(y) * part(y) - 3 * part(z);
   }
-  /// Returns a block with layers from `first` to before `end`, and all of its points in `values`.
+  /// Returns a block with the layers [first, end), and puts the values of its points into `values`.
   [[nodiscard]] gs_insitu_block block(std::int64_t first, std::int64_t end, std::vector<double>& values,
                                       gs_insitu_field& field, std::int64_t ghosts = 0) const {
     values.clear();

@@ -108,7 +108,7 @@ TEST_CASE("in situ server: viewers change parameters with the token only") {
   CHECK(run.post("/other?feed=0.5", run.token).status == 404);
   CHECK(run.post("/parameters?feed=0.5", run.token).status == 200);
   CHECK(gs_insitu_value(run.session.get(), "feed") == 0.25);
-  CHECK(run.step_taken());  // a change is a reason for a new picture
+  CHECK(run.step_taken());  // a change needs a new picture
   CHECK(gs_insitu_value(run.session.get(), "feed") == 0.5);
   CHECK(std::isnan(gs_insitu_value(run.session.get(), "none")));
   const std::string json = run.get("/insitu.json").body;

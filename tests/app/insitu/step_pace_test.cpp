@@ -10,10 +10,10 @@ namespace step_pace_test {
 /// Result of a simulated run.
 struct Paced {
   int taken = 0, contacts = 0;
-  double share = 0, largest_share = 0;  // at the end; and after any step but the first
+  double share = 0, largest_share = 0;  // at the end; maximum after the first step
 };
 
-// Runs steps that take `step` seconds each. Each taken step costs `cost` seconds more.
+// Simulates steps of `step` seconds each. Each taken step costs `cost` seconds more.
 Paced run_paced(double most_share, std::int64_t every, int steps, double step, double cost) {
   StepPace pace(most_share, every);
   Paced result;
@@ -44,7 +44,7 @@ TEST_CASE("pace: the library keeps to its share of run time") {
     CHECK(paced.taken > 1);
     CHECK(paced.share <= share);
     CHECK(paced.largest_share <= share);
-    CHECK(paced.share >= share * 0.3);  // it uses most of it
+    CHECK(paced.share >= share * 0.3);  // uses much of its share
   }
 }
 

@@ -16,7 +16,7 @@
 
 namespace gs::app::insitu::test {
 
-/// Ranks that are threads of this process. Messages are copied.
+/// Ranks as threads of this process. Copies messages.
 class ThreadRanks : NonCopyable {
  public:
   /// Calls `work` on one thread per rank, and waits for all.

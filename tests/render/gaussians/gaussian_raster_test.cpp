@@ -145,7 +145,7 @@ TEST_CASE("draws flat Gaussians where the rays of the pixels meet them, also fro
   skewed = glm::rotate(skewed, 1.0f, glm::vec3(1, 2, 3));
   for (const glm::mat4& matrix : {seen_from({0, 0, 6}), seen_from({4, 2, -3}), seen_from({5, 0, 0}), skewed}) {
     const GaussianItem item = item_of(gaussians, matrix);
-    // Surfels that reach the plane of the eye are drawn by EWA; here are none in view.
+    // EWA would draw surfels that reach the plane of the eye, but none of those are in view.
     ProjectedGaussians all;
     project_gaussians(item, view, 0, gaussians.size(), all);
     REQUIRE(all.splats.size() > 100);
@@ -157,8 +157,8 @@ TEST_CASE("draws flat Gaussians where the rays of the pixels meet them, also fro
 }
 
 TEST_CASE("draws a large flat Gaussian in perspective") {
-  // EWA would draw the near and the far part of a strip along the ground with equal widths.
-  // one.
+  // EWA would draw a strip along the ground with equal widths of its near and its far part. Rays draw the near
+  // part wider.
   qnv::Gaussians gaussians = random_gaussians(1, 0, 1);
   gaussians.positions = {{0, -1, -4}};
   gaussians.scales = {{0.5f, 1, 0}};

@@ -35,7 +35,7 @@ struct ArrayInfo {
   std::string type_name{};                // type as stored: "f32", "u16be", "2 x f64 (r, i)", "text"
   std::vector<std::uint64_t> chunk{};     // shape of the parts that are stored together, or none
   std::vector<std::string> dimensions{};  // name of each axis, or of none; a path if it is an array of the file
-  bool first_grows = false;               // programs may append along the first axis, for example steps
+  bool first_grows = false;               // programs may append along the first axis, such as steps
   std::string problem{};                  // reason why read() cannot work, or none
 };
 
@@ -59,7 +59,7 @@ class ArrayFile {
   /// Returns an empty text, or a message.
   [[nodiscard]] virtual std::string read(std::size_t array, std::span<const std::uint64_t> first,
                                          std::span<const std::uint64_t> count, std::span<std::byte> to) = 0;
-  /// Receives the bytes of boxes together, if a server has the file. Reading the boxes reports problems.
+  /// Receives the bytes of several boxes at once, for a file on a server. read() reports problems.
   virtual void prepare(std::size_t, std::span<const ArrayBox>) {}
   /// Returns the rows of an array of characters as texts; none if it is another array, or long.
   [[nodiscard]] virtual std::vector<std::string> texts(std::size_t array);
@@ -72,7 +72,7 @@ inline std::vector<std::string> ArrayFile::texts(std::size_t) { return {}; }
 struct ArrayBytes {
   std::shared_ptr<const void> owner;
   std::span<const std::byte> bytes;
-  NeedBytes need{};  // makes bytes readable; null if all are
+  NeedBytes need{};  // receives missing bytes; null if all bytes are present
 };
 using ArrayFileResult = std::variant<std::shared_ptr<ArrayFile>, std::string>;
 

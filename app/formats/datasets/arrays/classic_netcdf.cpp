@@ -318,7 +318,7 @@ class ClassicFile final : public ArrayFile {
   }
 
  private:
-  /// Returns the bytes from one element of an axis to the next one.
+  /// Returns the distance in bytes between neighbouring elements along an axis.
   [[nodiscard]] std::vector<std::uint64_t> steps_of(std::size_t number) const {
     const ArrayInfo& array = arrays_[number];
     std::vector<std::uint64_t> steps(array.shape.size(), size_of(array.type));

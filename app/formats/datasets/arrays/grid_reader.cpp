@@ -43,7 +43,7 @@ bool GridReader::read_stored(const qnv::VoxelBox& box, std::span<std::byte> to) 
   std::vector<std::uint64_t> first = slice_.first, count(slice_.first.size(), 1);
   if (component_axis_) first[*component_axis_] = component_;
   std::vector<std::byte> part;
-  // The order of the axes in the array may be any.
+  // The axes of the array may be in any order.
   const auto choose = [&](const BoxPiece& piece) {
     for (std::size_t a = 0; a < 3; ++a)
       if (axes[a]) first[*axes[a]] = piece.voxels.first[a], count[*axes[a]] = piece.voxels.size[a];

@@ -33,9 +33,9 @@ class SlabReader {
   /// Reads a box of an array into `to`, without keeping it. Returns false on failure.
   [[nodiscard]] bool read_part(std::size_t array, std::span<const std::uint64_t> first,
                                std::span<const std::uint64_t> count, std::vector<std::byte>& to);
-  /// Reports whether the file is received by parts.
+  /// Reports whether a server has the file, so that it is received by parts.
   [[nodiscard]] bool by_parts() const { return content_.need != nullptr; }
-  /// Receives the bytes of boxes together. Reading them reports problems.
+  /// Receives the bytes of several boxes at once. Reading the boxes reports problems.
   void prepare(std::size_t array, std::span<const ArrayBox> boxes);
   /// Lets the pages of a large file leave memory.
   void put_aside();

@@ -55,7 +55,7 @@ bool set_named_roles(std::span<const std::string> names, std::vector<GridAxis>& 
 }
 
 /// Sets roles by the order and the sizes of the axes: time, channel or component, z, y, x, component. A first axis that
-/// grows or is named after time is time, however short it is.
+/// can grow, or has a name for time, is time and not a channel, even if it is short.
 void set_usual_roles(const ArrayInfo& array, std::span<const std::string> names, std::vector<GridAxis>& axes) {
   std::size_t end = axes.size();
   const bool first_is_time = array.first_grows || (!names.empty() && named_role(names.front()) == AxisRole::time);

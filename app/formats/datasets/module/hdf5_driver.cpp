@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* kMemoryName = "/bytes-in-memory";  // for a relative name, HDF5 asks for the current folder
 
-/// Property of the driver.
+/// Value of the property list through which HDF5 passes the source to the driver.
 struct MemoryProperty {
   Hdf5Source* source = nullptr;
 };
@@ -141,7 +141,7 @@ Hdf5Handle open_hdf5_bytes(Hdf5Source& source) {
   if (!properties || H5Pset_driver(properties.get(), memory_driver_id(), &memory) < 0 ||
       H5Pset_fclose_degree(properties.get(), H5F_CLOSE_STRONG) < 0)
     return {};
-  // Rows are received together already; a buffer of the library would read bytes between them.
+  // Rows are already received together. A sieve buffer of HDF5 would also read the bytes between them.
   if (source.bytes.need) (void)H5Pset_sieve_buf_size(properties.get(), 0);
   const hid_t opened = H5Fopen(kMemoryName, H5F_ACC_RDONLY, properties.get());
   // A file that a program writes with SWMR opens only with SWMR.

@@ -50,7 +50,7 @@ class Hdf5Scope {
 /// Bytes of a file for the driver. One thread at a time.
 struct Hdf5Source {
   ArrayBytes bytes;
-  std::vector<ByteSpan>* looked_up = nullptr;  // if set, reads of values fail, and their places are added
+  std::vector<ByteSpan>* looked_up = nullptr;  // if set, reads of values fail and append their byte ranges
 };
 
 /// Opens a file in memory, read only. `source` must outlive the handle and keep its address.

@@ -4,13 +4,13 @@
 #include <cstddef>
 #include <vector>
 
-// Places of values in a file on a server.
+// Look-up of the byte ranges of values, for a file on a server.
 namespace gs::app {
 namespace {
 
-constexpr std::uint64_t kMostLookedUp = 4096;  // chunks of a box; others are read one by one
+constexpr std::uint64_t kMostLookedUp = 4096;  // chunks of a box; larger boxes are received chunk by chunk
 
-/// Adds the places of the chunks of a box. HDF5 looks up each chunk, and then the driver refuses to read it.
+/// Adds the byte ranges of the chunks of a box. HDF5 looks up each chunk, and the driver then refuses to read it.
 void look_up_chunks(Hdf5Source& source, hid_t dataset, hid_t type, const ArrayInfo& array, const ArrayBox& box,
                     std::vector<ByteSpan>& parts) {
   const std::vector<std::uint64_t>&first = box.first, &count = box.count;

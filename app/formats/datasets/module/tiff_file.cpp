@@ -124,7 +124,7 @@ class TiffArrays final : public ArrayFile {
   }
 
  private:
-  /// Receives the next directories together if those before are at even distances, for a file on a server.
+  /// Receives the next directories at once if the last three are equally spaced, for a file on a server.
   void foresee_directories() {
     constexpr std::uint64_t kAhead = 64, kDirectoryBytes = 1024;
     const std::uint64_t here = TIFFCurrentDirOffset(file_.get()), size = file_.bytes().size();
@@ -229,7 +229,7 @@ class TiffArrays final : public ArrayFile {
   bool is_imagej_ = false;
   std::uint64_t current_ = 0;  // page that was read last, or 0
   std::array<std::uint64_t, 2> last_directories_{};  // offsets, the last one first
-  std::uint64_t foreseen_ = 0;                       // end of the directories that were received ahead
+  std::uint64_t foreseen_ = 0;                       // offset of the last directory that was received ahead
   std::vector<TiffSeries> series_;
   std::vector<ArrayInfo> arrays_;
   std::vector<std::string> groups_;

@@ -168,7 +168,7 @@ std::string read_blocks(TiffHandle& file, const TiffForm& form, const TiffBox& b
     return form.tiled ? TIFFComputeTile(tiff, left, top, 0, plane) : TIFFComputeStrip(tiff, top, plane);
   };
   if (file.need()) {
-    // All blocks of the box at once.
+    // Receives all blocks of the box at once.
     NeededParts needed(file.need());
     std::string problem = visit([&](std::uint32_t left, std::uint32_t top, std::uint16_t plane) {
       const std::uint32_t block_number = number(left, top, plane);

@@ -47,7 +47,7 @@ class TiffHandle {
 
   [[nodiscard]] TIFF* get() const { return tiff_; }
   [[nodiscard]] std::span<const std::byte> bytes() const { return bytes_.bytes; }
-  /// Returns the function that makes bytes readable, or null.
+  /// Returns the function that receives missing bytes, or null if all bytes are present.
   [[nodiscard]] const NeedBytes& need() const { return bytes_.need; }
   /// Returns the last message, or `otherwise`.
   [[nodiscard]] std::string problem(const char* otherwise) const;

@@ -106,15 +106,15 @@ class ZarrFile::Finder {
 
  private:
   using Found = std::variant<ZarrNode, std::string>;
-  /// Kind of a node, if other nodes state it: a level of an image, or a group of labels.
+  /// Kind of a node as stated by other nodes: a level of an image, or a group of labels.
   enum class NodeKind : std::uint8_t { any, level, labels };
   struct Waiting {
     std::string path;
     NodeKind kind = NodeKind::any;
   };
 
-  /// Returns true if a node may have a metadata file, by its index in kZarrMetadataFiles. Servers are not asked for
-  /// files of version 2 that add nothing.
+  /// Returns true if a node may have the metadata file with index `file` in kZarrMetadataFiles. For nodes on servers,
+  /// leaves out files of version 2 that the kind of the node makes unnecessary.
   [[nodiscard]] bool may_have(NodeKind kind, std::size_t file) const {
     static constexpr int kVersions[] = {3, 2, 2, 2, 2, 0};
     constexpr std::size_t kAttributes = 2, kArray = 4;

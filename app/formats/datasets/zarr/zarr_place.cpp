@@ -20,8 +20,8 @@ struct HeldArchive {
   std::string folder;  // of the container in the archive, empty or with '/' at its end
 };
 
-// Files through which a container is opened, in the order of the attempts. Attributes come late: of an array they may
-// be any object, by which no format is recognised.
+// Files through which a container is opened, in the order of the attempts. Attributes come last, because those of an
+// array may be any JSON object, which does not identify the format.
 constexpr std::string_view kZarrEntryFiles[] = {"zarr.json", ".zmetadata", ".zgroup",
                                                 ".zarray",   ".zattrs",    "attributes.json"};
 
@@ -117,7 +117,7 @@ std::vector<std::string> zarr_entries_of_url(std::string_view url) {
   if (!container || is_zarr_metadata_file(name)) return {};
   std::vector<std::string> urls;
   for (const std::string_view file : kZarrEntryFiles) {
-    if (file == ".zmetadata") continue;  // the reader asks for it
+    if (file == ".zmetadata") continue;  // the reader requests it
     net::Url one = parsed;
     one.path = path + "/" + std::string(file);
     urls.push_back(one.text());

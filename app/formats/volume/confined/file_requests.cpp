@@ -20,10 +20,10 @@
 namespace gs::app {
 namespace {
 
-// Texts: "|m|OFFSET|BYTES|REFERENCE" for a file of a batch that goes on, "|e|..." for the last one, with the letter e
-// instead of the offset for the last bytes, and nothing instead of both for a whole file. The reference is empty for a
-// part of the child's own file. All requests of such a batch have none. "|l|REFERENCE" for a folder. No reference
-// begins with '|', because it is percent-encoded in URLs (RFC 3986, 2).
+// Texts: "|m|OFFSET|BYTES|REFERENCE" for a file of a batch, "|e|..." for its last file, "|l|REFERENCE" for a folder.
+// For the last bytes of a file, OFFSET is the letter e. For a whole file, OFFSET and BYTES are empty. For parts of the
+// child's own file, all references of the batch are empty. No reference begins with '|', because URLs percent-encode it
+// (RFC 3986, 2).
 constexpr char kRequestMark = '|', kMoreFollow = 'm', kLastOfBatch = 'e', kListFolder = 'l';
 constexpr std::string_view kBytesFromEnd = "e";
 constexpr std::size_t kMostFilesOfBatch = 4096;

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-// Requests of a child for several files at once, for parts of its own file, and for lists of folders. They travel as
-// texts where a child asks for one file (child_channel.h), each request of a batch in a text of its own. The answer to
-// the last one has all files.
+// Requests of a child for several files at once, for parts of its own file, and for lists of folders. The channel sends
+// them as texts in place of the name of a single file (child_channel.h), one text per request. The answer to the last
+// request of a batch has all files.
 namespace gs::app {
 
 /// Returns true for the text of such a request. References of files do not look like it.
@@ -20,14 +20,14 @@ namespace gs::app {
 /// Child: makes functions that ask its parent. A parent that gives impossible answers ends the process.
 [[nodiscard]] ReadFiles files_by_asking(const ReadFile& ask);
 [[nodiscard]] ListFolder folders_by_asking(const ReadFile& ask);
-/// Child: makes a function that asks for parts of its own file. It knows the parts that it has asked for.
+/// Child: makes a function that requests parts of its own file. The function requests no part twice.
 [[nodiscard]] NeedBytes parts_by_asking(const ReadFile& ask);
 
 /// Parent: collects the requests of a batch and reads their files. One thread at a time.
 class FileBatches {
  public:
-  /// `read` and `list` may be null; then no file is read. `need` makes parts of the child's own file readable, and
-  /// may be null.
+  /// `read` and `list` may be null; then files or folders are not read. `need` receives parts of the child's own file,
+  /// and may be null.
   FileBatches(ReadFiles read, ListFolder list, NeedBytes need = {})
       : read_(std::move(read)), list_(std::move(list)), need_(std::move(need)) {}
 

@@ -26,7 +26,7 @@ struct VolumeRequest {
   VoxelComponent component{};
   BudgetLeft left{};
   bool lists = false;
-  bool by_parts = false;  // the child asks for the parts of the file that it reads
+  bool by_parts = false;  // the child requests the parts of the file that it reads
 };
 [[nodiscard]] std::vector<std::byte> transfer_bytes(const VolumeRequest& request);
 [[nodiscard]] std::optional<VolumeRequest> volume_request_of(std::span<const std::byte> bytes);

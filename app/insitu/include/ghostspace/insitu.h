@@ -2,8 +2,8 @@
  * examples.
  *
  * Rules for all functions:
- * - Arrays of the caller are read during the call that names them or, if it says so, until gs_insitu_end_step(). They
- *   are never written.
+ * - The library reads arrays of the caller during the call that passes them, or until gs_insitu_end_step() if the
+ *   comment of the function says so. It never writes them.
  * - Functions marked "collective" must be called by all ranks in the same order. Others are local.
  * - A handle belongs to one thread at a time. No function throws, exits or writes to standard output.
  * - Communication takes place inside collective functions only, on the calling thread.
@@ -48,7 +48,7 @@ enum gs_insitu_type {
   GS_INSITU_UINT64 = 10
 };
 
-/* Elements that the values of a field belong to. */
+/* Elements to which the values of a field belong. */
 enum gs_insitu_association { GS_INSITU_POINTS = 0, GS_INSITU_CELLS = 1 };
 
 /* Named array with one or more numbers per point or cell. Set unused members to 0. */
@@ -60,8 +60,8 @@ typedef struct gs_insitu_field {
   int32_t association; /* enum gs_insitu_association */
   int32_t components;  /* numbers per element, 1 to 9; 0 means 1 */
   int32_t reserved;
-  /* Distance in bytes of neighbours along x, y and z (of a block), or of elements in strides[0] (else), and of
-   * components in strides[3]. May be negative. All 0: without gaps, components first, then x. */
+  /* Distances in bytes, which may be negative. Blocks: between neighbours along x, y and z. Other data: between
+   * elements, in strides[0]. strides[3] is for components. If all are 0: no gaps, components vary fastest, then x. */
   int64_t strides[4];
 } gs_insitu_field;
 
@@ -71,7 +71,7 @@ typedef struct gs_insitu_block {
   int64_t whole_extent[6]; /* first and last point of the whole grid along x, y, z; equal on all ranks */
   int64_t extent[6];       /* first and last point of the arrays of this block, with ghost layers */
   double origin[3];        /* position of the point with index 0 */
-  double spacing[3];       /* distance of neighbouring points; 0 means 1 */
+  double spacing[3];       /* distance between neighbouring points; 0 means 1 */
   int32_t ghost[6];        /* layers of points (of cells, for fields of cells) at each side that other blocks own */
   const gs_insitu_field* fields;
   size_t field_count;
@@ -84,8 +84,8 @@ typedef struct gs_insitu_cells {
   int32_t point_type; /* GS_INSITU_FLOAT32 or GS_INSITU_FLOAT64 */
   int32_t index_type; /* type of connectivity and offsets: GS_INSITU_INT32 or GS_INSITU_INT64 */
   size_t point_count;
-  const void* connectivity;  /* points of all cells, one cell after the other */
-  size_t connectivity_count; /* of entries */
+  const void* connectivity;  /* point indices of all cells, one cell after the other */
+  size_t connectivity_count; /* number of entries */
   const void* offsets; /* cell_count + 1 positions in `connectivity`: the first is 0, the last is connectivity_count */
   const uint8_t*
       types; /* cell type of VTK for each cell: 5, 7, 8, 9, 10 to 14, 22 to 29; others are counted and left out */
@@ -102,13 +102,13 @@ typedef struct gs_insitu_particles {
   int32_t position_type; /* GS_INSITU_FLOAT32 or GS_INSITU_FLOAT64 */
   int32_t reserved;
   size_t count;
-  double radius; /* of each particle, units of the positions; 0: from their density */
+  double radius; /* of each particle, in units of the positions; 0 means a radius that suits their density */
   const gs_insitu_field* fields;
   size_t field_count;
 } gs_insitu_particles;
 
-/* Communication of the caller's ranks. Each function returns 0, or another value on failure. ghostspace/insitu_mpi.h
- * fills the table from an MPI_Comm. Functions block, and are called by collective functions only. */
+/* Communication of the caller's ranks. ghostspace/insitu_mpi.h fills the table from an MPI_Comm. Each function blocks,
+ * and returns 0 on success. Only collective functions call them. */
 typedef struct gs_insitu_communicator {
   size_t size; /* sizeof(gs_insitu_communicator) */
   int32_t rank, ranks;
@@ -131,15 +131,15 @@ typedef struct gs_insitu_options {
   const char* bind;       /* address of the server; NULL: "127.0.0.1" */
   const char* token_file; /* file (mode 0600) for the token that changes parameters; NULL: a file of the user, see
                              docs/insitu.md */
-  const char* field;      /* the field that is served at first; NULL: the first one */
-  double error;           /* maximum error of each value, in its unit; 0: `relative_error` counts */
+  const char* field;      /* field to serve until a viewer chooses one; NULL: the first field */
+  double error;           /* maximum error of each value, in its unit; 0 means that `relative_error` applies */
   double relative_error;  /* maximum error as a share of the range of the step's values; default 0.001 */
   double max_share;       /* maximum share of run time that the library may take, e.g. 0.02; 0 means unlimited */
   int64_t every;          /* takes at most each n-th step; default 1 */
   uint64_t max_memory; /* bytes for a step on rank 0; a larger grid is thinned by 2, 4, ... per axis; default 256 MiB */
-  int32_t threads;     /* maximum number of threads of an encoder; default 1 */
+  int32_t threads;     /* maximum number of threads for encoding; default 1 */
   int32_t background;  /* 1: rank 0 may encode on a thread of its own while the simulation continues */
-  int32_t thin;        /* 1: thins grids so that max_share permits each wanted step, instead of waiting for full ones */
+  int32_t thin;        /* 1: thins grids so that max_share permits each wanted step; 0: full grids, fewer steps */
   int32_t reserved;
   void (*log)(void* context, const char* message); /* receives messages on the calling thread; NULL: none */
   void* log_context;
@@ -156,18 +156,18 @@ typedef struct gs_insitu_parameter {
   int32_t reserved;
 } gs_insitu_parameter;
 
-/* Numbers about a session so far. Those marked "rank 0" are 0 elsewhere. */
+/* Statistics of a session so far. Members marked "rank 0" are 0 on other ranks. */
 typedef struct gs_insitu_statistics {
   size_t size;                    /* sizeof(gs_insitu_statistics), set by the caller */
-  uint64_t steps, taken, skipped; /* steps that began, that were taken, and that max_share or absent viewers left out */
+  uint64_t steps, taken, skipped; /* numbers of begun steps, of taken steps, and of the other begun steps */
   double run_seconds;             /* wall time since gs_insitu_open() */
-  double own_seconds;             /* of it inside of the library, on this rank, with its background thread */
+  double own_seconds;             /* time in the library on this rank, plus CPU time of its background thread */
   double last_seconds;            /* from the end of the last taken step to its complete stream (rank 0) */
   uint64_t stream_bytes;          /* bytes of all streams (rank 0) */
   uint64_t sent_bytes;            /* bytes that this rank sent to others */
-  uint64_t peak_bytes;            /* largest buffers of the library, without the encoder's (estimate) */
-  double max_error;  /* largest error that the last step's stream permits, in the unit of its values (rank 0) */
-  uint32_t thinning; /* every n-th point per axis was taken in the last step; 1 means all (rank 0) */
+  uint64_t peak_bytes;            /* maximum size of the library's buffers without those of the encoder (estimate) */
+  double max_error;  /* maximum error of the last taken step as its streams state it, in the unit of values (rank 0) */
+  uint32_t thinning; /* the last taken step has every n-th point per axis; 1 means all (rank 0) */
   uint32_t reserved;
 } gs_insitu_statistics;
 
@@ -179,30 +179,30 @@ GS_INSITU_API uint32_t gs_insitu_version(void);
 /* Sets the defaults. `size` is sizeof(gs_insitu_options). */
 GS_INSITU_API void gs_insitu_options_init(gs_insitu_options* options, size_t size);
 
-/* Begins a session. Collective. `communicator` may be NULL for one process; its functions must stay valid. Returns NULL
- * on failure on any rank, with a message in `error` (if not NULL) of at most `error_size` bytes. */
+/* Begins a session. Collective. `communicator` may be NULL for one process; its functions must stay valid. If any rank
+ * fails, returns NULL on all ranks and writes a message of at most `error_size` bytes to `error` (if not NULL). */
 GS_INSITU_API gs_insitu* gs_insitu_open(const gs_insitu_options* options, const gs_insitu_communicator* communicator,
                                         char* error, size_t error_size);
 
-/* Adds a parameter. Call it on all ranks before the first step. Returns a result. */
+/* Adds a parameter. Call it on all ranks before the first step. Returns a gs_insitu_result. */
 GS_INSITU_API int gs_insitu_add_parameter(gs_insitu* session, const gs_insitu_parameter* parameter);
 
 /* Returns the value of a parameter: equal on all ranks, and constant between two calls of gs_insitu_begin_step(). NaN
  * for unknown names. */
 GS_INSITU_API double gs_insitu_value(const gs_insitu* session, const char* name);
 
-/* Begins a step. Collective. Returns GS_INSITU_OK if the caller should pass its arrays, or GS_INSITU_SKIPPED if it
- * should not: then gs_insitu_end_step() need not be called. A skipped step costs well under a microsecond most of the
- * time. */
+/* Begins a step. Collective. Returns GS_INSITU_OK if the caller should pass its arrays and call gs_insitu_end_step().
+ * Returns GS_INSITU_SKIPPED if the caller should do neither. Most skipped steps cost well under a microsecond. Returns
+ * a value below 0 on errors. */
 GS_INSITU_API int gs_insitu_begin_step(gs_insitu* session, int64_t step, double time);
 
-/* Passes arrays of the step. The structure is copied; its arrays must stay valid and unchanged until
+/* Pass arrays of the step. The library copies the structure. The arrays must stay valid and unchanged until
  * gs_insitu_end_step() returns. */
 GS_INSITU_API int gs_insitu_pass_block(gs_insitu* session, const gs_insitu_block* block);
 GS_INSITU_API int gs_insitu_pass_cells(gs_insitu* session, const gs_insitu_cells* cells);
 GS_INSITU_API int gs_insitu_pass_particles(gs_insitu* session, const gs_insitu_particles* particles);
 
-/* Ends a step: sends the data to rank 0, which encodes them. Collective. Afterwards the caller may change its arrays.
+/* Ends a step: sends the data to rank 0, which encodes it. Collective. Afterwards the caller may change its arrays.
  */
 GS_INSITU_API int gs_insitu_end_step(gs_insitu* session);
 

@@ -1,4 +1,4 @@
-/* Fills a gs_insitu_communicator from an MPI_Comm. Header only, so that libghostspace-insitu works with every MPI. C99
+/* Fills a gs_insitu_communicator from an MPI_Comm. Header only: libghostspace-insitu works with any MPI. C99
  * and C++. */
 #pragma once
 
@@ -16,7 +16,7 @@ typedef struct gs_insitu_mpi {
   gs_insitu_communicator table;
 } gs_insitu_mpi;
 
-/* Counts of MPI 3 are int, so longer messages are sent in pieces. */
+/* Maximum bytes of one message. Counts of MPI 3 are int, so longer messages are sent in pieces. */
 enum { GS_INSITU_MPI_PIECE = 1 << 30 };
 
 static inline int gs_insitu_mpi_broadcast(void* context, void* data, size_t bytes, int root) {

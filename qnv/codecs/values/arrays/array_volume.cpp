@@ -204,7 +204,7 @@ bool ArrayVolume::show_overview() {
   base_ = std::move(base);
   stale_ = true;
   known_part_ = overview_.progress();
-  // Views that have no bricks yet show the overview at once.
+  // Shows the overview at once in views without bricks.
   if (!shown_ || views_.empty() || statistics_.shown == 0) {
     shown_ = base_->volume;
     ++revision_;

@@ -22,10 +22,10 @@
 
 namespace gs::qnv {
 
-/// Volume in a file that is larger than memory, or takes long to read. Reads an overview as a whole, and bricks
-/// of finer levels where views need them. In a window, another thread reads the bricks, the most wanted ones first. It
-/// drops the remaining bricks of a view that changes. It begins when the overview has no large gaps, or after kOverviewFirst,
-/// unless a view needs slices or points. Any thread. Safe for untrusted values.
+/// Volume in a file that is larger than memory, or takes long to read. Reads an overview as a whole, and bricks of
+/// finer levels where views need them. In a window, another thread reads the most wanted bricks first. It drops the
+/// remaining bricks of a view that changes. It begins when the overview has no large gaps, or after kOverviewFirst; for
+/// slices and points, it begins at once. Any thread. Safe for untrusted values.
 class ArrayVolume final : public VolumeDetail {
  public:
   static constexpr std::chrono::milliseconds kPatience{20'000}, kOverviewFirst{10'000};
@@ -37,8 +37,8 @@ class ArrayVolume final : public VolumeDetail {
   /// Reports whether a volume can be shown in bricks: it has no labels or colours, and more voxels than an overview.
   [[nodiscard]] static bool suits(const VolumeSource& source, std::size_t most_vectors);
 
-  /// Reads the overview until it is complete, or for `patience`, or until `stop` returns true. Returns false if it has no
-  /// values. One thread at a time.
+  /// Reads the overview until it is complete, or for `patience`, or until `stop` returns true. Returns false if the
+  /// overview has no values. One thread at a time.
   bool read_overview(std::chrono::milliseconds patience, const std::function<bool()>& stop);
   /// Restores the overview from a former kept_overview(); read_overview() shows it. Returns false on a wrong size.
   bool restore_overview(std::vector<float> samples);
@@ -69,7 +69,7 @@ class ArrayVolume final : public VolumeDetail {
     std::uint64_t version = 0;
   };
   bool show_overview();
-  /// Reports whether bricks may be read although the overview is not complete.
+  /// Reports whether bricks may be read before the overview is complete.
   [[nodiscard]] bool may_read_bricks(const LodView& view) const;
   void work(bool beside);
   void publish(const Base& base, const std::vector<LodView>& views);
@@ -86,8 +86,8 @@ class ArrayVolume final : public VolumeDetail {
   std::size_t together_ = 1;  // bricks to read with one request; of work()
 
   mutable std::mutex mutex_;  // guards all members below
-  std::optional<std::chrono::steady_clock::time_point> began_;  // of the first read_overview()
-  double known_part_ = 0;                                       // of the overview that is shown
+  std::optional<std::chrono::steady_clock::time_point> began_;  // start of the first read_overview()
+  double known_part_ = 0;                                       // share of known samples in the shown overview
   std::shared_ptr<const Base> base_;
   std::vector<LodView> views_;  // one per viewport, the latest last
   bool working_ = false;

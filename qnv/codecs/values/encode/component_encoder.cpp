@@ -28,8 +28,8 @@ struct RunWork {
   Progress* progress;
 };
 
-/// Reads the slabs of this rank batch by batch. Calls take(batch) for each. Returns an error if the source fails, or if
-/// cancelled.
+/// Reads the slabs of this rank batch by batch. Calls take(batch) for each batch. Returns an error if the source fails,
+/// or if cancelled.
 template <class Take>
 std::optional<EncodeError> each_batch(const RunWork& work, bool codes, Take&& take) {
   SampleBatch batch;
@@ -57,7 +57,7 @@ void add_layers(std::span<const Number> numbers, const VolumeLayout& layout, Run
     encoder.add(numbers.subspan(at, std::min(layer, numbers.size() - at)));
 }
 
-// Stores the gaps of a volume, and lets the reader fill them.
+// Stores the gaps of a volume, and prepares the reader to fill them.
 std::optional<EncodeError> encode_gaps(const RunWork& work, std::vector<StoredRun>& runs) {
   std::optional<EncodeError> problem;
   GapEncoder encoder(

@@ -21,7 +21,7 @@
 
 namespace gs::qnv::values {
 
-/// Bytes of a chunk with a cluster, beside its payload.
+/// Number of bytes of a chunk with a cluster in addition to its payload.
 inline constexpr std::size_t kClusterChunkCost = kChunkHeaderBytes + kMostPlaceBytes;
 
 /// Limits at which a stream ends: an error or a size.
@@ -43,7 +43,7 @@ struct StoredRun {
   std::uint32_t count = 0, bytes = 0;   // of cubes, of the packed form
 };
 
-/// Processes that encode a volume together, and the name of the work that they keep in the store.
+/// Processes that encode a volume together, and the prefix of the names of their work in the store.
 struct SharedWork {
   Ranks* ranks = nullptr;  // null means this process alone
   std::string name;
@@ -63,7 +63,7 @@ struct EncodedValues {
 void store_run(const CubeRun& run, SpillStore& store, std::vector<StoredRun>& runs,
                std::optional<EncodeError>& problem);
 
-/// Makes the runs of all ranks, which follow each other, known to all. Returns `problem`, or that of another rank.
+/// Replaces `runs` by the consecutive runs of all ranks. Returns the first problem of any rank. Collective.
 [[nodiscard]] std::optional<EncodeError> share_runs(Ranks& ranks, SpillStore& store,
                                                     const std::optional<EncodeError>& problem,
                                                     std::vector<StoredRun>& runs);

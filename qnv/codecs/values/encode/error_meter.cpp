@@ -19,9 +19,9 @@ struct ComparedSlice {
   std::span<const std::uint8_t> missing;  // empty if none is
 };
 
-// Returns the error of the samples that are not missing.
+// Returns the error of all samples that are not missing.
 ErrorSum error_of(const ComparedSlice& slice) {
-  // Sums of as many squares of at most kSmall fit into 64 bits.
+  // Adds small squares in blocks so short that their sums fit into 64 bits.
   constexpr std::size_t kRun = 4096;
   constexpr std::int64_t kSmall = std::int64_t{1} << 25;
   ErrorSum sum;

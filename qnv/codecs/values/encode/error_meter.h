@@ -15,7 +15,7 @@
 
 namespace gs::qnv::values {
 
-/// Sum of squares, without rounding. So it does not depend on the order of the numbers.
+/// Exact sum of squares, as an integer of 128 bits. The order of the numbers does not change it.
 struct SquareSum {
   std::uint64_t low = 0, high = 0;
 
@@ -30,7 +30,7 @@ struct SquareSum {
   [[nodiscard]] double value() const { return std::ldexp(static_cast<double>(high), 64) + static_cast<double>(low); }
 };
 
-/// Sum of errors.
+/// Maximum, sum of squares and number of errors.
 struct ErrorSum {
   std::int64_t most = 0;
   SquareSum squares;

@@ -16,7 +16,7 @@ class GapFilling {
 
   /// Takes kBatchSlices slices, in order.
   void measure(const SampleBatch& batch);
-  /// Completes the means of large boxes. Each rank has measured its slabs.
+  /// Completes the means of large boxes, after each rank has measured its slabs. Collective.
   void finish(Ranks& ranks);
   /// Replaces the samples of missing voxels of kBatchSlices slices.
   void fill(SampleBatch& batch) const;

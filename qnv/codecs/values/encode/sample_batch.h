@@ -17,11 +17,11 @@ namespace gs::qnv::values {
 /// Number of slices that encoders read at once: a multiple of kCubeEdge and of the cubes of GapFilling.
 inline constexpr std::uint32_t kBatchSlices = 8;
 
-/// Returns the part of a rank in the slabs of a volume.
+/// Returns the range of slabs of a volume that a rank encodes.
 [[nodiscard]] inline RankShare slabs_of(const Ranks& ranks, std::uint32_t depth) {
   return share_of(ranks, depth / kSlabSlices + (depth % kSlabSlices != 0 ? 1 : 0));
 }
-/// Returns the slices of slabs.
+/// Returns the range of slices in a range of slabs.
 [[nodiscard]] inline SliceWindow slices_of(RankShare slabs, std::uint32_t depth) {
   const auto slice = [&](std::uint64_t slab) {
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(depth, slab * kSlabSlices));

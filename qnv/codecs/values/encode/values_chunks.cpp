@@ -85,7 +85,7 @@ std::optional<OutgoingChunk> ValuesChunks::chunk(std::size_t i) const {
 std::optional<OutgoingChunk> ValuesChunks::outline(std::size_t i) const {
   const Place place = place_of(i);
   OutgoingChunk chunk = without_payload(place);
-  // Both payloads begin with a number, which counts those of the components before, too.
+  // A payload begins with a number, which in the stream also counts the cubes or blocks of earlier components.
   const std::uint64_t number = place.run ? place.run->first : place.cluster->block;
   std::vector<std::byte> own, in_stream;
   put_number(own, number);

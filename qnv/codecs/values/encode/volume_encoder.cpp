@@ -13,12 +13,12 @@ namespace gs::qnv::values {
 
 namespace {
 
-// Number of blocks that are encoded before the rank that further clusters need is computed again.
+// Number of blocks to encode before LeastRank is updated.
 constexpr std::uint32_t kBlocksBetween = 16;
-// Number of blocks with clusters in memory.
+// Maximum number of blocks with clusters in memory.
 constexpr std::uint32_t kBlocksAtOnce = 256;
 
-// Returns a record that begins at a place of some bytes.
+// Returns the record at the beginning of some bytes.
 template <class Record>
 Record record_at(std::span<const std::byte> bytes) {
   Record record;
@@ -131,7 +131,7 @@ std::optional<EncodeError> VolumeEncoder::encode_rows(int level, RankShare rows,
   const SliceWindow window = RowTransform::window_of(extent_, level, rows);
   const std::size_t slice = std::size_t{samples[0]} * samples[1];
   SampleBatch batch;
-  // Batches begin at multiples of their length, as missing voxels need it.
+  // Batches must begin at multiples of their length, for the filling of missing voxels.
   for (std::uint32_t z = window.first / kBatchSlices * kBatchSlices; z < window.end; z += kBatchSlices) {
     if (is_cancelled(progress_)) return EncodeError{"cancelled"};
     const std::uint32_t count = std::min(kBatchSlices, samples[2] - z);
@@ -154,7 +154,7 @@ std::string VolumeEncoder::name_of(int last_plane, int level, std::uint64_t row)
   return work_.name + "p" + std::to_string(last_plane) + "l" + std::to_string(level) + "r" + std::to_string(row);
 }
 
-// Reads a slice of the samples that a level transforms: the low samples of the level before.
+// Reads a slice of the samples that a level transforms. They are the low samples of the previous level.
 std::optional<EncodeError> VolumeEncoder::read_low(int level, std::uint32_t slice, std::span<std::int32_t> to) const {
   const std::uint32_t row = slice / kBlockEdge;
   const bool there = row < lows_.size();
@@ -163,7 +163,7 @@ std::optional<EncodeError> VolumeEncoder::read_low(int level, std::uint32_t slic
   return EncodeError{"cannot read the samples of level " + std::to_string(level - 1) + " again: " + store_.problem()};
 }
 
-// Takes a row that an earlier run has finished. Returns false if there is none, or if it has blocks of other rows.
+// Restores a row that an earlier run finished. Returns false if there is none, or if it has blocks of other rows.
 bool VolumeEncoder::restore_row(const std::string& work, int level, std::uint64_t row) {
   const auto result = store_.finished(work);
   if (!result || result->size() < sizeof(RowResult) ||
@@ -186,7 +186,7 @@ bool VolumeEncoder::restore_row(const std::string& work, int level, std::uint64_
   return true;
 }
 
-// Stores the low samples of a row of blocks, and records the row.
+// Stores the low samples of a row of blocks, and records the row as finished.
 bool VolumeEncoder::finish_row(const std::string& work, int level, std::uint32_t row, const RowBegin& begin,
                                LevelSlices& slices) {
   RowResult& result = rows_.back();
@@ -212,8 +212,8 @@ bool VolumeEncoder::cannot_store() {
 }
 
 bool VolumeEncoder::take(std::uint64_t first, std::uint32_t count, LevelSlices& slices, int last_plane) {
-  // With a limited size, the blocks that are encoded before tell what later ones need. The parts of a row do not depend
-  // on threads.
+  // With a limited size, earlier blocks determine the clusters that later blocks need. So the size of a part must not
+  // depend on the number of threads.
   const std::uint32_t part = least_ ? kBlocksBetween : kBlocksAtOnce;
   for (std::uint32_t i = 0; i < count; i += part)
     if (!take_part(first + i, std::min(part, count - i), slices, last_plane)) return false;
@@ -228,7 +228,7 @@ bool VolumeEncoder::take_part(std::uint64_t first, std::uint32_t count, LevelSli
       [&](std::size_t i) {
         thread_local BlockEncoder encoder;
         const BlockPlace place = layout_.place(first + i);
-        // Errors of coarse bands spread: each level needs two thirds of a plane more.
+        // Errors of coarse bands spread over many samples, so each level needs two thirds of a plane more.
         const int last = std::max(0, last_plane - 2 * (place.level - 1) / 3);
         const std::optional<BlockBands> before = before_ ? std::optional(before_->bands_of(place)) : std::nullopt;
         encoder.encode(static_cast<std::uint32_t>(first + i), place, slices.bands_of(place),

@@ -16,14 +16,14 @@
 
 namespace gs::qnv::values {
 
-/// Rank that a cluster needs to be among the first `max_bytes` of those seen so far. It only grows with more clusters.
+/// Minimum rank of a cluster that belongs to the best `max_bytes` bytes of the clusters so far. It only grows.
 class LeastRank {
  public:
   explicit LeastRank(std::size_t max_bytes) : max_bytes_(max_bytes) {}
 
   [[nodiscard]] float rank() const { return rank_; }
   void add(std::span<const StoredCluster> clusters);
-  /// Raises the rank after some clusters.
+  /// Raises the minimum rank to that of the clusters added so far.
   void update();
 
  private:
@@ -32,23 +32,23 @@ class LeastRank {
   std::vector<std::pair<float, std::size_t>> kept_;  // rank and bytes
 };
 
-/// Encoder of all blocks of a volume. A process alone transforms all levels in one pass over the volume. Several ranks
-/// transform one level after the other. Each one takes some rows of blocks, and reads the samples that they depend on,
-/// with a halo. It keeps the low samples of its rows in the store, where all ranks read them for the next level.
+/// Encoder of all blocks of a volume. A single process transforms all levels in one pass over the volume. Several ranks
+/// transform one level after the other. Each rank encodes some rows of blocks, from their samples and a halo. It keeps
+/// the low samples of its rows in the store, where all ranks read them for the next level.
 class VolumeEncoder {
  public:
-  /// Encodes no more than what `max_bytes` need, if that is given. Then rank 0 encodes all blocks, because each one
-  /// depends on those before.
+  /// With `max_bytes`, leaves out clusters that do not fit. Rank 0 then encodes all blocks, because each block depends
+  /// on the earlier blocks.
   VolumeEncoder(Extent extent, const ValuesLimit& limit, SpillStore& store, unsigned threads, Progress* progress,
                 const EncodedStep* step, const SharedWork& work);
 
   [[nodiscard]] std::uint64_t blocks() const { return layout_.count(); }
   [[nodiscard]] const BlockLayout& layout() const { return layout_; }
-  /// Encodes down to a plane; coarse levels need more. All ranks return the same.
+  /// Encodes bit planes down to `last_plane`, and more planes of coarse levels. All ranks return the same.
   std::optional<EncodeError> encode(const ReadSamples& read, int last_plane);
   /// Returns the clusters of all ranks.
   std::vector<StoredCluster>& clusters() { return clusters_; }
-  /// Returns the squared error that all clusters leave.
+  /// Returns the squared error that remains after all clusters.
   [[nodiscard]] double rest() const { return rest_; }
 
  private:
@@ -79,13 +79,13 @@ class VolumeEncoder {
   SpillStore& store_;
   unsigned threads_;
   Progress* progress_;
-  StepCoefficients* before_;  // of a time series, or null
+  StepCoefficients* before_;  // previous step of a time series, or null
   SharedWork work_;
   Ranks alone_;
   Ranks& ranks_;
   std::vector<StoredCluster> clusters_;
   std::vector<RowResult> rows_;  // of this rank
-  std::vector<RowResult> lows_;  // of all ranks: the level before
+  std::vector<RowResult> lows_;  // of all ranks, for the previous level
   double rest_ = 0;
   std::optional<LeastRank> least_;  // null without a limited size
   std::optional<EncodeError> problem_;

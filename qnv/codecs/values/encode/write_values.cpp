@@ -8,7 +8,7 @@
 namespace gs::qnv {
 namespace {
 
-/// Sink that counts the bytes of a stream. Passes only those on that this process writes.
+/// Sink that counts the bytes of a stream. Passes on only the bytes that this process writes.
 class PartSink final : public StreamSink {
  public:
   explicit PartSink(StreamSink& to, bool has_front) : to_(to), writes_(has_front), has_front_(has_front) {}
@@ -31,8 +31,8 @@ class PartSink final : public StreamSink {
   std::uint64_t count_ = 0;
 };
 
-/// Chunks of a stream that several ranks write. Each one writes consecutive chunks with the parity and the directory
-/// after them, and rank 0 the header. A rank reads only its chunks, and those before that their parity protects.
+/// Chunks of a stream that several ranks write. Each rank writes consecutive chunks, with the parity and the directory
+/// after them. Rank 0 also writes the header. A rank reads only its chunks, and earlier ones that its parity protects.
 class PartChunks final : public ChunkList {
  public:
   PartChunks(const ChunkList& all, const Ranks& ranks, PartSink& sink)

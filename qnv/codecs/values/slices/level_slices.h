@@ -12,7 +12,7 @@ namespace gs::qnv::values {
 
 /// Range of slices.
 struct SliceWindow {
-  std::uint32_t first = 0, end = ~std::uint32_t{0};  // a larger end means that of the volume
+  std::uint32_t first = 0, end = ~std::uint32_t{0};  // a larger end means the end of the volume
 };
 /// Maximum distance along an axis between a sample and the coefficients that depend on it.
 inline constexpr std::uint32_t kSliceReach = 4;
@@ -35,9 +35,9 @@ class LevelSlices {
   [[nodiscard]] std::uint32_t added() const { return first_ + static_cast<std::uint32_t>(slices_.size()); }
   /// Returns the end of the slices that are completely lifted along z.
   [[nodiscard]] std::uint32_t finished() const { return transformed_ ? window_.first + order_.finished() : added(); }
-  /// Returns the end of the slices that lifting along z does not need any more.
+  /// Returns the end of the slices that lifting along z no longer needs.
   [[nodiscard]] std::uint32_t released() const { return transformed_ ? window_.first + order_.released() : added(); }
-  /// Adds slices of the level below, or of the volume, and transforms them as far as they permit.
+  /// Adds slices of the level below, or of the volume. Transforms all slices for which enough neighbours are present.
   void add_samples(std::span<const SliceRows> slices, unsigned threads);
   /// Adds slices. Their content is undefined, or 0 if `clear`.
   void add(std::uint32_t count, bool clear);

@@ -9,7 +9,7 @@ namespace gs::qnv::values {
 
 namespace {
 
-// Extends a window of samples by those that the coefficients of whole rows of blocks depend on. Odd ends round up.
+// Extends a window of samples by the reach of the lifting, and to whole rows of blocks.
 SliceWindow window_of_rows(SliceWindow samples, std::uint32_t slices, bool transformed) {
   const std::uint32_t edge = kBlockEdge * (transformed ? 2 : 1), reach = transformed ? kSliceReach : 0;
   samples.end = std::min(samples.end, slices);

@@ -37,17 +37,17 @@ class SliceTransform {
   std::vector<Level> levels_;  // finest first
 };
 
-/// Transform of one level of a volume for some rows of blocks along z. One thread at a time.
+/// Transform of one level of a volume, for some consecutive rows of blocks along z. One thread at a time.
 class RowTransform {
  public:
-  /// Function that takes a complete row of blocks, with the slices of its level. It returns false to stop.
+  /// Function that receives a complete row of blocks, with the slices of its level. It returns false to stop.
   using TakeRow = std::function<bool(std::uint32_t row, LevelSlices& slices)>;
 
   RowTransform(Extent extent, int level, RankShare rows, unsigned threads, TakeRow take);
 
-  /// Returns the samples that these rows depend on: slices of the level below, or of the volume.
+  /// Returns the slices that these rows depend on, of the level below or of the volume.
   [[nodiscard]] static SliceWindow window_of(Extent extent, int level, RankShare rows);
-  /// Adds the next slices of the window. Returns false if `take` did.
+  /// Adds the next slices of the window. Returns false if `take` returned false.
   bool add(std::span<const SliceRows> slices);
 
  private:

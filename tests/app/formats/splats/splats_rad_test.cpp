@@ -38,7 +38,7 @@ RadBytes numbers(std::initializer_list<Number> values) {
   return made;
 }
 
-/// Returns the numbers with their bytes apart: first all lowest bytes.
+/// Returns the numbers split into byte planes, beginning with the lowest bytes.
 RadBytes split_floats(std::initializer_list<float> values) {
   const RadBytes whole = numbers(values);
   RadBytes made;
@@ -65,7 +65,7 @@ void pad(RadBytes& to) {
   while (to.size() % 8 != 0) to.push_back(std::byte{0});
 }
 
-/// Appends a text with its mark and length.
+/// Appends a mark, the length of a text, and the text.
 void put_head(RadBytes& to, const char* mark, const std::string& text) {
   for (int i = 0; i < 4; ++i) to.push_back(static_cast<std::byte>(mark[i]));
   put_little(to, static_cast<std::uint32_t>(text.size()));

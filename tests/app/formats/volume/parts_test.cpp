@@ -13,7 +13,7 @@ using namespace gs::test;
 namespace parts_test {
 namespace {
 
-/// File of which only the first bytes are there. It gives other bytes when they are needed.
+/// File with only its first bytes present. It provides other bytes when they are needed.
 class PartlyThere {
  public:
   PartlyThere(Bytes all, std::size_t front) : all_(std::move(all)), there_(all_.size()) {
@@ -45,7 +45,7 @@ class PartlyThere {
   net::RangeSet known_;
 };
 
-/// Returns the number of first bytes that show that a file can be read by parts; nullopt if it cannot.
+/// Returns the minimum number of first bytes that identify a file as readable by parts; nullopt if it is not.
 std::optional<std::size_t> front_of(const std::string& name, const Bytes& bytes) {
   for (std::size_t count = 1; count <= std::min<std::size_t>(bytes.size(), 40'000); ++count)
     if (reads_by_parts(name, std::span(bytes).first(count))) return count;
@@ -118,7 +118,7 @@ TEST_CASE("files are read by parts like as a whole") {
       REQUIRE(theirs.size() == ours.size());
       for (std::size_t i = 0; i < ours.size(); ++i)
         for (const qnv::VoxelBox& box : boxes_in(theirs[i]->layout.dimensions)) {
-          // A file of which no byte was read before.
+          // Uses a file that was not read before.
           PartlyThere fresh(bytes, *front);
           const Opened opened = open_parts(name, fresh);
           CHECK(box_in(*sources_of(std::get<0>(opened))[i], box) == box_in(*theirs[i], box));

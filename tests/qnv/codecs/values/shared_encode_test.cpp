@@ -20,7 +20,7 @@
 namespace gs::qnv {
 namespace shared_encode_test {
 
-/// Memory that several ranks share: what they gather, their stores, the results of finished work, and the stream.
+/// Memory that several ranks share: gathered bytes, their stores, the results of finished work, and the stream.
 struct SharedState {
   explicit SharedState(std::uint32_t count) : gathered(count), stores(count), barrier(count) {}
 
@@ -237,7 +237,7 @@ TEST_CASE("shared encoding: A later run uses the rows that an earlier run has fi
   std::size_t i = 0;
   std::erase_if(first.finished, [&](const auto&) { return i++ % 3 == 0; });
   const std::size_t kept = first.finished.size();
-  // A result of another row is not taken.
+  // The encoder must reject a result of another row.
   std::swap(first.finished.begin()->second, std::next(first.finished.begin())->second);
   first.stream.clear();
   for (const Result& result : encode_with(first, volume, {})) CHECK(std::holds_alternative<EncodedStream>(result));

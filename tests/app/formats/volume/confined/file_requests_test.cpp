@@ -90,7 +90,7 @@ TEST_CASE("file requests: A child gets parts of its own file and no others") {
   const std::vector<ByteSpan> parts{{0, 10}, {50, 50}, {20, 0}};
   CHECK(need(parts));
   CHECK(needed == std::vector<ByteSpan>{{0, 10}, {50, 50}});
-  // It knows these parts now.
+  // The child does not request these parts again.
   CHECK(need(parts));
   CHECK(asked == 2);
   const ByteSpan behind{90, 20};
@@ -98,7 +98,7 @@ TEST_CASE("file requests: A child gets parts of its own file and no others") {
   CHECK_FALSE(need({&behind, 1}));
   FileBatches none(served.read(), nullptr);
   CHECK(std::holds_alternative<std::string>(*none.answer("|e|0|5|")));
-  // A batch has either parts or other files.
+  // A batch must not mix parts and other files.
   FileBatches mixed(served.read(), nullptr);
   CHECK(mixed.answer("|m|0|5|"));
   CHECK_FALSE(mixed.answer("|e|0|5|b"));
