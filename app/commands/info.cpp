@@ -10,6 +10,7 @@
 #include "app/formats/datasets/dataset_formats.h"
 #include "app/formats/foreign_types.h"
 #include "app/formats/qnv/geometry_reader.h"
+#include "app/formats/splats/splats.h"
 #include "app/formats/volume/confined/confined_list.h"
 #include "base/gzip.h"
 #include "base/json_value.h"
@@ -59,10 +60,11 @@ std::string written(const qnv::Rgb8& color) {
   return text;
 }
 
-void put_vectors(JsonValue& facts, const qnv::VectorView& vectors) {
+void put_vectors(JsonValue& facts, const qnv::Geometry& geometry) {
+  const qnv::VectorView vectors(geometry);
   const qnv::Description& d = vectors.description;
   const bool volume = vectors.kind == qnv::Kind::volume;
-  facts.put("kind", volume ? "volume" : "surface");
+  facts.put("kind", volume ? "volume" : geometry.as<qnv::Gaussians>() ? "Gaussians" : "surface");
   facts.put("vectors", vectors.size());
   facts.put(volume ? "magnitude" : "area", d.total);
   if (volume) {
@@ -411,7 +413,14 @@ void describe_input(JsonValue& facts, const OpenedInput& input, Clock::time_poin
     describe_volume(facts, *volume, deadline);
   } else if (const auto* geometry = std::get_if<qnv::Geometry>(&input.content)) {
     put_vectors(facts, *geometry);
-    put_metadata(facts, geometry->description().metadata);
+    auto metadata = geometry->description().metadata;
+    // Gaussians are kept as they are. These texts describe what discs instead of them would lose.
+    if (const auto* gaussians = geometry->as<qnv::Gaussians>()) {
+      facts.put("harmonics", gaussians->degree);
+      std::erase_if(metadata,
+                    [](const auto& pair) { return pair.first == kSplatsAsDiscs || pair.first == kThickSplats; });
+    }
+    put_metadata(facts, metadata);
   } else if (const auto* mesh = std::get_if<MeshStream>(&input.content)) {
     facts.put("faces", mesh->faces);
   } else {

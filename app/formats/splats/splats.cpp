@@ -173,7 +173,7 @@ qnv::Gaussians vectors_of_splats(const SplatModel& model) {
   if (!splats.empty())
     if (std::string text = drawn_as(translucent, model.harmonics); !text.empty())
       description.metadata.emplace_back(kSplatsAsDiscs, std::move(text));
-  add_count(description, "splats not discs", thick);
+  add_count(description, kThickSplats, thick);
   add_count(description, "splats too faint", faint);
   add_count(description, "splats broken", broken);
   add_count(description, "splats missing", model.announced > model.size() ? model.announced - model.size() : 0);

@@ -29,6 +29,8 @@ inline constexpr float kSphericalHarmonic0 = 0.28209479f;
 inline constexpr float kOpaque = 0.988f;
 /// Metadata key for the properties that splats lose when they become discs. Only discs can be encoded.
 inline constexpr char kSplatsAsDiscs[] = "splats as discs";
+/// Metadata key for the number of splats that are no discs.
+inline constexpr char kThickSplats[] = "splats not discs";
 /// Minimum opacity. Fainter splats are invisible on an 8-bit display and omitted.
 inline constexpr float kMinOpacity = 1.0f / 255;
 /// Maximum ratio of the smallest to the middle standard deviation of a splat that counts as a disc.
