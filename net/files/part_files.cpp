@@ -26,7 +26,7 @@ constexpr std::size_t kMostKey = std::size_t{64} << 20;  // a key has a line per
 constexpr std::size_t kMostWorkName = 256;
 constexpr std::size_t kMostWorkResult = std::size_t{1} << 30;
 constexpr std::string_view kDataEnding = ".data", kListEnding = ".done", kKeyFile = "key", kStreamFile = "stream",
-                           kEndedFile = "stream.ended";
+                           kEndedFile = "stream.ended", kNewKeyFile = ".ghostspace-key";
 
 std::uint32_t sum_of(std::uint32_t from, std::span<const std::byte> bytes) {
   if (bytes.empty()) return from;
@@ -91,10 +91,13 @@ std::optional<FileError> prepare_part_folder(const std::string& folder, const st
     return FileError{folder + " belongs to another input or other options; use those, or omit --resume"};
   }
   remove_part_folder(folder);
+  // The key gets its name when it is complete. A run that ended before this leaves a folder without a key.
+  const std::string path = folder + "/" + std::string(kKeyFile), fresh = folder + "/" + std::string(kNewKeyFile);
+  ::unlink(fresh.c_str());
+  ::rmdir(folder.c_str());
   if (::mkdir(folder.c_str(), 0777) != 0) return FileError{"cannot create the folder " + folder + ": " + part_reason()};
-  const Descriptor file(
-      ::open((folder + "/" + std::string(kKeyFile)).c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
-  if (!file || !write_all(file.get(), std::as_bytes(std::span(key))))
+  const Descriptor file(::open(fresh.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+  if (!file || !write_all(file.get(), std::as_bytes(std::span(key))) || ::rename(fresh.c_str(), path.c_str()) != 0)
     return FileError{"cannot write into the folder " + folder + ": " + part_reason()};
   return std::nullopt;
 }

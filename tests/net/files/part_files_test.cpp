@@ -114,6 +114,24 @@ TEST_CASE("part files: Only the same task is resumed, and foreign files stay") {
   std::filesystem::remove_all(top);
 }
 
+TEST_CASE("part files: A folder of a run that ended before its key was complete is used again") {
+  const std::string top = new_folder(), folder = top + "/out.parts";
+  for (const bool resume : {false, true}) {
+    std::filesystem::create_directory(folder);
+    REQUIRE_FALSE(prepare_part_folder(folder, "task", resume));
+    remove_part_folder(folder);
+    std::filesystem::create_directory(folder);
+    std::ofstream(folder + "/.ghostspace-key") << "ta";
+    REQUIRE_FALSE(prepare_part_folder(folder, "task", resume));
+    CHECK_FALSE(std::filesystem::exists(folder + "/.ghostspace-key"));
+    CHECK_FALSE(prepare_part_folder(folder, "task", true));
+    CHECK(prepare_part_folder(folder, "another", true));
+    remove_part_folder(folder);
+    CHECK_FALSE(std::filesystem::exists(folder));
+  }
+  std::filesystem::remove_all(top);
+}
+
 TEST_CASE("part files: The task may have many input files") {
   const std::string top = new_folder(), folder = top + "/out.parts", task(300'000, 'x');
   REQUIRE_FALSE(prepare_part_folder(folder, task, false));
