@@ -6,16 +6,8 @@ set -euo pipefail
 package=$(readlink -f "$1")
 root=$(readlink -f "$2")
 [ -x "$root/usr/bin/dpkg" ] || { echo "package_check.sh: $root is no Debian" >&2; exit 2; }
-failures=0
+source "$(dirname "${BASH_SOURCE[0]}")/checks/verify.sh"
 inside() { chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive "$@"; }
-verify() { # WHAT EXPECTED FOUND
-  if [ "$2" = "$3" ]; then
-    echo "ok: $1"
-  else
-    echo "WRONG: $1: expected '$2', found '$3'"
-    failures=$((failures + 1))
-  fi
-}
 
 mounted=
 leave() { [ -z "$mounted" ] || umount "$root/proc"; }

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <utility>
 
 namespace gs::app {
 namespace {
@@ -58,13 +59,19 @@ net::Maker thumbnail_maker(const std::string& program, const std::string& served
   return maker;
 }
 
-net::Maker stream_maker(const std::string& program, const std::string& served) {
+// Returns a maker of streams that are requested by names of their own. It lacks its functions.
+net::Maker maker_of_streams(std::string name, std::size_t at_once) {
   net::Maker maker;
-  maker.name = "encode";
+  maker.name = std::move(name);
   maker.type.mime = "model/x-qnv";
   maker.extension = ".qnv";
   maker.for_missing = true;
-  maker.at_once = 1;  // one at a time, because each may need gigabytes of memory
+  maker.at_once = at_once;
+  return maker;
+}
+
+net::Maker stream_maker(const std::string& program, const std::string& served) {
+  net::Maker maker = maker_of_streams("encode", 1);  // one at a time, because each may need gigabytes of memory
   maker.source_of = [](const std::string& name, const std::string&) -> std::optional<std::string> {
     const std::string source = name.ends_with(".qnv") ? name.substr(0, name.size() - 4) : std::string();
     if (!can_be_encoded(source)) return std::nullopt;
@@ -82,12 +89,7 @@ net::Maker stream_maker(const std::string& program, const std::string& served) {
 
 // Returns the maker of coarse streams, which clients show while the server encodes the complete volumes.
 net::Maker coarse_maker(const std::string& program, const std::string& served) {
-  net::Maker maker;
-  maker.name = "coarse";
-  maker.type.mime = "model/x-qnv";
-  maker.extension = ".qnv";
-  maker.for_missing = true;
-  maker.at_once = 2;
+  net::Maker maker = maker_of_streams("coarse", 2);
   maker.coarse_of = "encode";
   maker.source_of = [](const std::string& name, const std::string&) -> std::optional<std::string> {
     if (!name.ends_with(kCoarseExtension)) return std::nullopt;

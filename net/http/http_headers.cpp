@@ -45,6 +45,10 @@ bool is_weak(const std::string& etag) { return etag.starts_with("W/"); }
 
 }  // namespace
 
+bool is_field_value(std::string_view text) {
+  return std::none_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
+}
+
 const std::string& Validator::strong() const {
   static const std::string kNone;
   if (!etag.empty()) return is_weak(etag) ? kNone : etag;

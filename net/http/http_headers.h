@@ -13,6 +13,9 @@ namespace gs::net {
 /// an account to its owner obey it.
 inline constexpr const char* kWithinField = "GhostSpace-Within";
 
+/// Reports whether a text can be the value of a field. Control characters could end the field or the head.
+[[nodiscard]] bool is_field_value(std::string_view text);
+
 /// Validators of a resource: entity tag and date of modification (RFC 9110 8.8), as received.
 struct Validator {
   std::string etag;

@@ -1,6 +1,7 @@
 #include "net/http/http_proxy.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <memory>
 #include <string_view>
 
@@ -65,6 +66,13 @@ std::string proxy_of(const Url& url, const Environment& environment) {
   std::string host = lower_name(place->host);
   if (host.ends_with('.')) host.pop_back();
   return is_listed_host(host, direct) ? std::string() : proxy;
+}
+
+std::string proxy_of(const Url& url) {
+  return proxy_of(url, [](const std::string& name) {
+    const char* const value = std::getenv(name.c_str());
+    return std::string(value ? value : "");
+  });
 }
 
 AddressSpace space_by_name(const std::string& url, const AddressSpaceOf& space_of) {

@@ -16,6 +16,9 @@ using Environment = std::function<std::string(const std::string& name)>;
 /// the address of the host.
 [[nodiscard]] std::string proxy_of(const Url& url, const Environment& environment);
 
+/// Returns the proxy for a URL as the environment of this process states it.
+[[nodiscard]] std::string proxy_of(const Url& url);
+
 /// Returns the address space of a host that a proxy will resolve. Uses only the text of the host, such as "localhost"
 /// or an address. For other names, the proxy must enforce the rules.
 [[nodiscard]] AddressSpace space_by_name(const std::string& url, const AddressSpaceOf& space_of);

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <string_view>
@@ -35,11 +34,6 @@ constexpr long kPlainBlock = 64 << 10;
 constexpr Milliseconds kLongestHold{1000};
 /// With a rate limit: bytes that the system may buffer for a connection.
 constexpr std::uint64_t kMinAhead = 4 << 10, kMaxAhead = 1 << 20;
-
-std::string environment_variable(const std::string& name) {
-  const char* const value = std::getenv(name.c_str());
-  return value ? value : "";
-}
 
 class CurlTransport final : public HttpTransport {
  public:
@@ -90,13 +84,13 @@ class CurlTransport final : public HttpTransport {
     std::optional<LoadError> failure;  // failure that this class found, not curl
     AddressSpace reach = AddressSpace::special;
     AddressSpace space = AddressSpace::special;  // space of the host
-    std::string refused_host;  // reason why an address of the host is refused
-    std::string refused_url;  // reason why no connection is opened
+    std::string refused_host;                    // reason why an address of the host is refused
+    std::string refused_url;                     // reason why no connection is opened
     bool proxied = false;                        // the proxy resolves the host
     bool by_ftp = false;
     std::shared_ptr<SshLink> ssh;  // null for other schemes
     Descriptor ssh_listener;       // for a new connection of curl to the link, until it is connected
-    std::uint64_t left = 0;  // remaining bytes of an FTP file
+    std::uint64_t left = 0;        // remaining bytes of an FTP file
     bool head_done = false, discarding = false, enough = false;
     bool wants_pause = false, paused = false, over = false;
     std::optional<TimePoint> slowed;  // start of the wait for the bandwidth limit
@@ -237,9 +231,8 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
   curl().curl_easy_setopt(easy, CURLOPT_PRIVATE, &transfer);
   if (!options_.ca_file.empty()) curl().curl_easy_setopt(easy, CURLOPT_CAINFO, options_.ca_file.c_str());
   // A proxy would answer FTP with HTTP, so use none for FTP.
-  const std::string proxy = options_.proxy_from_environment && !transfer.by_ftp && !transfer.ssh
-                                ? proxy_of(*canonical, environment_variable)
-                                : std::string();
+  const bool may_proxy = options_.proxy_from_environment && !transfer.by_ftp && !transfer.ssh;
+  const std::string proxy = may_proxy ? proxy_of(*canonical) : std::string();
   curl().curl_easy_setopt(easy, CURLOPT_PROXY, proxy.c_str());
   curl().curl_easy_setopt(easy, CURLOPT_NOPROXY, "");
   transfer.proxied = !proxy.empty();
@@ -256,9 +249,7 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
   curl().curl_easy_setopt(easy, CURLOPT_HEADERDATA, &transfer);
 
   const auto add = [&transfer](const std::string& name, const std::string& value) {
-    const bool safe =
-        std::none_of(value.begin(), value.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
-    if (value.empty() || !safe) return;
+    if (value.empty() || !is_field_value(value)) return;
     transfer.headers.reset(curl().curl_slist_append(transfer.headers.release(), (name + ": " + value).c_str()));
   };
   if (request.range) {

@@ -17,15 +17,7 @@ leave() {
   rm -rf "$work"
 }
 trap leave EXIT
-failures=0
-verify() { # WHAT EXPECTED FOUND
-  if [ "$2" = "$3" ]; then
-    echo "ok: $1"
-  else
-    echo "WRONG: $1: expected '$2', found '$3'"
-    failures=$((failures + 1))
-  fi
-}
+source "$root/scripts/checks/verify.sh"
 
 mkdir -p "$work/bin" "$work/data"
 cat >"$work/bin/srun" <<'SH'

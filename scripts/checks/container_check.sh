@@ -19,15 +19,7 @@ leave() {
   if ! grep -q " $work/" /proc/mounts; then rm -rf --one-file-system "$work"; fi
 }
 trap leave EXIT
-failures=0
-verify() { # WHAT EXPECTED FOUND
-  if [ "$2" = "$3" ]; then
-    echo "ok: $1"
-  else
-    echo "WRONG: $1: expected '$2', found '$3'"
-    failures=$((failures + 1))
-  fi
-}
+source "$root/scripts/checks/verify.sh"
 prepare() { # COPY
   cp -a "$base" "$1"
   cp /etc/resolv.conf "$1/etc/resolv.conf"

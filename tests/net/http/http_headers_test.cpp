@@ -49,6 +49,13 @@ TEST_CASE("computes freshness from Cache-Control (RFC 9111)") {
   CHECK(freshness(head) == 0);
 }
 
+TEST_CASE("control characters are not part of field values") {
+  CHECK(is_field_value("bytes=0-99"));
+  CHECK(is_field_value(""));
+  CHECK(is_field_value("\xc3\xa4"));
+  for (const char* const text : {"a\r\nHost: b", "a\nb", "a\tb", "\x01"}) CHECK_FALSE(is_field_value(text));
+}
+
 TEST_CASE("parses dates in all three forms") {
   for (const char* text :
        {"Sun, 06 Nov 1994 08:49:37 GMT", "Sunday, 06-Nov-94 08:49:37 GMT", "Sun Nov  6 08:49:37 1994"})
