@@ -55,6 +55,7 @@ enum class ChunkType : std::uint8_t {
   labels = 19,
   gaussians = 20,
   harmonics = 21,
+  coarse_harmonics = 22,
   directory = 254
 };
 /// Reports whether chunks of a type list other chunks of the stream.
@@ -64,7 +65,7 @@ enum class ChunkType : std::uint8_t {
 /// Reports whether this version has a chunk type. Readers skip other chunks.
 [[nodiscard]] constexpr bool is_known(std::uint8_t type) {
   constexpr std::uint8_t kReserved = 5;
-  return (type <= static_cast<std::uint8_t>(ChunkType::harmonics) && type != kReserved) ||
+  return (type <= static_cast<std::uint8_t>(ChunkType::coarse_harmonics) && type != kReserved) ||
          type == static_cast<std::uint8_t>(ChunkType::directory);
 }
 

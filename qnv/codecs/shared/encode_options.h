@@ -62,8 +62,13 @@ struct EncodeOptions {
   const TexturedSurface* textured = nullptr;  // displaced: source of the exact tail, or null; must outlive the call
   ValueTolerance tolerance;                   // values
   int splat_steps = 0;                        // gaussians: log2 of a factor of the errors, in eighths; -32 to 32
-  SpillStore* spill = nullptr;                // values: holds the clusters; null means memory; must outlive the call
-  StreamSink* sink = nullptr;                 // values: takes the stream, which then has no bytes in memory; or null
+  std::size_t part_splats = 0;                // gaussians: maximum number with a common tree; 0 means the usual one
+  std::size_t memory = 0;                     // gaussians: bytes for parts that are encoded at the same time; 0 means
+                                              // the usual ones. The stream does not depend on it
+  SpillStore* spill = nullptr;                // values, gaussians: holds the clusters, and parts of the source; null
+                                              // means memory; must outlive the call
+  StreamSink* sink = nullptr;                 // values, gaussians: takes the stream, which then has no bytes in memory;
+                                              // or null
   Ranks* ranks = nullptr;                     // values: processes that encode together, with a common `spill`; null
                                               // means this process alone
   std::optional<double> parity;               // loss of chunks that parity restores, 0 to 0.5; nullopt: as the codec
