@@ -1,14 +1,17 @@
 #include "render/gaussians/gaussian_pass.h"
 
+#include "qnv/codecs/shared/chunk_requests.h"
 #include "render/collection/collector.h"
 #include "render/gaussians/gaussian_raster.h"
 #include "render/splat/splat_budget.h"
+#include "render/splat/splat_pieces.h"
 
 #include <glm/glm.hpp>
 
 #include <algorithm>
 #include <memory>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 namespace gs::render {
@@ -45,6 +48,23 @@ GaussianScene scene_of(const RenderList& list, const Camera& camera, const DrawO
     own.fog = camera_fog(list.fog, glm::transpose(glm::mat3(camera_from_world)), static_cast<float>(camera.back));
   }
   return scene;
+}
+
+/// Notes the view with the streams of Gaussians, which send the parts in view first. `view` is that of the whole picture.
+void note_view(const RenderList& list, const Camera& camera, const DrawOptions& options, SplatView view) {
+  const glm::dmat4 camera_from_world = camera_from_world_of(camera);
+  std::unordered_map<const qnv::ChunkRequests*, std::uint32_t> shown;  // instances of each stream so far
+  for (const SplatItem& item : list.splats) {
+    if (!gaussians_of(item) || !item.geometry->base().requests) continue;
+    const auto& requests = item.geometry->base().requests;
+    view.camera_from_node = glm::mat4(camera_from_world * item.world_from_node);
+    auto looked = lod_view(view);
+    if (!looked) continue;
+    looked->budget = options.budget;
+    looked->error_pixels = item.detail > 0 ? 1 / item.detail : 1.0f;
+    looked->viewport = options.viewport + (shown[requests.get()]++ << 16);
+    requests->note(*looked);
+  }
 }
 
 /// Returns the bounds of all volumes, or of all Gaussians, in world space.
@@ -84,6 +104,7 @@ void GaussianPass::draw(const RenderList& list, const Camera& camera, const Proj
   gaussian_gl_.forget_unused();
   if (std::none_of(list.splats.begin(), list.splats.end(), gaussians_of)) return;
   const SplatView view = viewport_view(camera, projection, options);
+  note_view(list, camera, options, whole_view(view, camera));
   const GaussianScene scene = scene_of(list, camera, options);
   const TargetRectangle rectangle{options.x, options.y, options.width, options.height};
   const bool with_gl = options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl_.software);
