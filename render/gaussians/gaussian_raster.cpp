@@ -47,8 +47,8 @@ TileRange tiles_of(const GaussianSplat& splat, const SplatView& view) {
     return static_cast<std::uint16_t>(static_cast<int>(std::clamp(pixel, 0.0f, static_cast<float>(count - 1))) /
                                       kGaussianTile);
   };
-  return {tile(splat.x - splat.reach_x, view.width), tile(splat.x + splat.reach_x, view.width),
-          tile(splat.y - splat.reach_y, view.height), tile(splat.y + splat.reach_y, view.height)};
+  return {tile(splat.left, view.width), tile(splat.right, view.width), tile(splat.bottom, view.height),
+          tile(splat.top, view.height)};
 }
 
 /// Projects all splats, in tasks of kProjectedRange input splats.
