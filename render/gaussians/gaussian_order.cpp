@@ -17,9 +17,10 @@ constexpr std::size_t kLeastPart = 16384, kParts = 8;  // keys that one task cou
 
 void sort_gaussians(std::vector<GaussianKey>& keys, unsigned threads) {
   const std::size_t count = keys.size();
+  if (count < 2) return;
   const std::size_t parts = std::clamp<std::size_t>(count / kLeastPart, 1, kParts);
   const auto [least, most] = std::ranges::minmax(keys, {}, &GaussianKey::key);
-  const auto bits = count < 2 ? 0u : static_cast<unsigned>(std::bit_width(most.key - least.key));
+  const auto bits = static_cast<unsigned>(std::bit_width(most.key - least.key));
   if (bits == 0) return;
   const unsigned passes = (bits + kMostDigitBits - 1) / kMostDigitBits, digit_bits = (bits + passes - 1) / passes;
   const std::size_t digits = std::size_t{1} << digit_bits;

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kProjectedRange = 8192;               // splats per projection task
 constexpr std::size_t kListedRange = 4096;                  // splats per task that makes lists of regions
-constexpr std::size_t kMostEntries = std::size_t{1} << 22;  // of all regions that are kept at once
+constexpr std::size_t kMostEntries = std::size_t{1} << 21;  // of all regions that are kept at once
 constexpr int kRegionTiles = 4;                             // tiles along the side of a region
 constexpr int kRegion = kRegionTiles * kGaussianTile;       // pixels along the side of a region
 constexpr std::size_t kPrefetched = 16;                     // splats between a prefetch and its use
@@ -32,7 +32,7 @@ struct TileRange {
 /// Parts of a splat that the lists need.
 struct PlacedGaussian {
   TileRange tiles;
-  float least_depth;    // see GaussianSplat
+  float depth;          // along the view axis
   std::uint32_t index;  // kProjectedRange * part + index in the part
 };
 
@@ -47,8 +47,8 @@ TileRange tiles_of(const GaussianSplat& splat, const SplatView& view) {
     return static_cast<std::uint16_t>(static_cast<int>(std::clamp(pixel, 0.0f, static_cast<float>(count - 1))) /
                                       kGaussianTile);
   };
-  return {tile(splat.x - splat.reach_x, view.width), tile(splat.x + splat.reach_x, view.width),
-          tile(splat.y - splat.reach_y, view.height), tile(splat.y + splat.reach_y, view.height)};
+  return {tile(splat.left, view.width), tile(splat.right, view.width), tile(splat.bottom, view.height),
+          tile(splat.top, view.height)};
 }
 
 /// Projects all splats, in tasks of kProjectedRange input splats.
@@ -110,13 +110,26 @@ std::vector<PlacedGaussian> in_order(std::span<const ProjectedPart> parts, const
                  }
                },
                view.threads);
-  for (std::size_t i = count; i-- > 1;)
-    ordered[i - 1].least_depth = std::min(ordered[i - 1].least_depth, ordered[i].least_depth);
   return ordered;
 }
 
-/// Pixels of a region, and the splats that are blended next. Tile kRegionTiles * row + column.
-struct Region {
+/// Splat in the list of a region.
+struct ListedGaussian {
+  std::uint32_t index;                    // as in PlacedGaussian
+  std::uint8_t left, right, bottom, top;  // tiles of the region that it touches, inclusive
+};
+
+/// Sets the least depths of all splats.
+void set_least_depths(std::span<ProjectedPart> parts, std::span<const PlacedGaussian> ordered) {
+  float least = std::numeric_limits<float>::max();
+  for (auto place = ordered.rbegin(); place != ordered.rend(); ++place) {
+    least = std::min(least, place->depth);
+    parts[place->index / kProjectedRange].projected.splats[place->index % kProjectedRange].least_depth = least;
+  }
+}
+
+/// Pixels of a region. Tile kRegionTiles * row + column.
+struct GaussianRegion {
   static constexpr std::size_t kTiles = std::size_t{kRegionTiles} * kRegionTiles;
   std::array<GaussianTile, kTiles> tiles;
   std::uint32_t open = (1u << kTiles) - 1, used = 0;  // a bit per tile
@@ -153,12 +166,19 @@ class GaussianPainter {
   }
 
  private:
-  /// Calls use(region) for each region that a splat may touch.
+  /// Calls use(region, row, column) for each region that a splat may touch.
   template <class Use>
   void for_regions(const TileRange& tiles, const Use& use) const {
     for (int row = tiles.bottom / kRegionTiles; row <= tiles.top / kRegionTiles; ++row)
       for (int column = tiles.left / kRegionTiles; column <= tiles.right / kRegionTiles; ++column)
-        use(static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column));
+        use(static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column), row,
+            column);
+  }
+
+  /// Returns the tiles of a row or column of regions that the tiles first to last overlap.
+  static std::pair<std::uint8_t, std::uint8_t> inside(int region, int first, int last) {
+    return {static_cast<std::uint8_t>(std::max(first - region * kRegionTiles, 0)),
+            static_cast<std::uint8_t>(std::min(last - region * kRegionTiles, kRegionTiles - 1))};
   }
 
   /// Calls work(first, last, counts of the range) for the splats of ranges first_range to last_range - 1.
@@ -179,7 +199,7 @@ class GaussianPainter {
     counts_.assign(ranges_ * regions_, 0);
     for_ranges(0, ranges_, [&](std::size_t first, std::size_t last, std::uint32_t* counts) {
       for (std::size_t i = first; i < last; ++i)
-        for_regions(ordered_[i].tiles, [&](std::size_t region) { ++counts[region]; });
+        for_regions(ordered_[i].tiles, [&](std::size_t region, int, int) { ++counts[region]; });
     });
   }
 
@@ -197,16 +217,20 @@ class GaussianPainter {
         entries += more;
         ++last;
       }
-      paint_batch(first, last, entries, stops);
+      paint_batch(first, last, entries, {pixels.data(), depths ? depths->data() : nullptr, stops});
       first = last;
     }
-    parallel_for(
-        regions_, [&](std::size_t region) { write(region, pixels, depths); }, view_.threads);
   }
 
-  /// Blends the splats of ranges first to last - 1.
-  void paint_batch(std::size_t first, std::size_t last, std::size_t entries, std::span<const float> stops) {
-    std::vector<std::uint32_t> begins(regions_ + 1), places((last - first) * regions_), listed(entries);
+  struct Target {
+    std::uint8_t* pixels;
+    float* depths;  // may be null
+    std::span<const float> stops;
+  };
+
+  /// Blends the splats of ranges first to last - 1. Writes the pixels if no ranges follow.
+  void paint_batch(std::size_t first, std::size_t last, std::size_t entries, const Target& target) {
+    std::vector<std::uint32_t> begins(regions_ + 1), places((last - first) * regions_);
     std::uint32_t next = 0;
     for (std::size_t region = 0; region < regions_; ++region) {
       begins[region] = next;
@@ -216,11 +240,17 @@ class GaussianPainter {
       }
     }
     begins[regions_] = next;
+    const auto listed = std::make_unique_for_overwrite<ListedGaussian[]>(entries);
     for_ranges(first, last, [&](std::size_t from, std::size_t to, const std::uint32_t*) {
       std::uint32_t* const own = places.data() + (from / kListedRange - first) * regions_;
-      for (std::size_t i = from; i < to; ++i)
-        for_regions(ordered_[i].tiles,
-                    [&](std::size_t region) { listed[own[region]++] = static_cast<std::uint32_t>(i); });
+      for (std::size_t i = from; i < to; ++i) {
+        const PlacedGaussian& place = ordered_[i];
+        for_regions(place.tiles, [&](std::size_t region, int row, int column) {
+          const auto [left, right] = inside(column, place.tiles.left, place.tiles.right);
+          const auto [bottom, top] = inside(row, place.tiles.bottom, place.tiles.top);
+          listed[own[region]++] = {place.index, left, right, bottom, top};
+        });
+      }
     });
     // Long lists first, so that all threads end at the same time.
     std::vector<std::uint32_t> sequence(regions_);
@@ -231,53 +261,62 @@ class GaussianPainter {
         regions_,
         [&](std::size_t i) {
           const std::size_t region = sequence[i];
-          const std::size_t count = begins[region + 1] - begins[region];
-          if (count > 0) blend(region, {listed.data() + begins[region], count}, stops);
+          const std::span<const ListedGaussian> list(listed.get() + begins[region],
+                                                     begins[region + 1] - begins[region]);
+          std::unique_ptr<GaussianRegion>& kept = states_[region];
+          if (!kept && list.empty()) return;
+          if (!kept && first == 0 && last == ranges_) {
+            GaussianRegion state;
+            blend(region, list, target.stops, state);
+            write(region, state, target);
+            return;
+          }
+          if (!kept) kept = std::make_unique_for_overwrite<GaussianRegion>();
+          blend(region, list, target.stops, *kept);
+          if (last < ranges_) return;
+          write(region, *kept, target);
+          kept.reset();
         },
         view_.threads);
   }
 
-  [[nodiscard]] const GaussianSplat* splat_of(const PlacedGaussian& place) const {
-    return parts_[place.index / kProjectedRange].projected.splats.data() + place.index % kProjectedRange;
+  [[nodiscard]] const GaussianSplat* splat_of(std::uint32_t index) const {
+    return parts_[index / kProjectedRange].projected.splats.data() + index % kProjectedRange;
   }
 
-  /// Blends a region with the splats ordered_[list[0]], ordered_[list[1]], ...
-  void blend(std::size_t region, std::span<const std::uint32_t> list, std::span<const float> stops) {
-    if (!states_[region]) states_[region] = std::make_unique_for_overwrite<Region>();
-    Region& state = *states_[region];
-    const int left = static_cast<int>(region % static_cast<std::size_t>(columns_)) * kRegionTiles,
-              bottom = static_cast<int>(region / static_cast<std::size_t>(columns_)) * kRegionTiles;
+  void blend(std::size_t region, std::span<const ListedGaussian> list, std::span<const float> stops,
+             GaussianRegion& state) const {
+    const int left = static_cast<int>(region % static_cast<std::size_t>(columns_)) * kRegion,
+              bottom = static_cast<int>(region / static_cast<std::size_t>(columns_)) * kRegion;
     const GaussianKernel& kernel = gaussian_kernel();
     const auto draw = stops.empty() ? kernel.tile : kernel.stopped_tile;
     std::array<GaussianSplat, kGatheredSplats> splats;
     std::vector<GaussianSurfel> surfels;
-    std::array<std::array<std::uint16_t, kGatheredSplats>, Region::kTiles> orders;
+    std::array<std::array<std::uint16_t, kGatheredSplats>, GaussianRegion::kTiles> orders;
     for (std::size_t first = 0; first < list.size() && state.open != 0; first += kGatheredSplats) {
-      std::array<std::size_t, Region::kTiles> counts{};
+      std::array<std::size_t, GaussianRegion::kTiles> counts{};
       surfels.clear();
-      for (std::size_t i = first; i < std::min(list.size(), first + kGatheredSplats); ++i) {
-        __builtin_prefetch(splat_of(ordered_[list[std::min(i + kPrefetched, list.size() - 1)]]));
-        const PlacedGaussian& ordered = ordered_[list[i]];
-        GaussianSplat& splat = splats[i - first];
-        splat = *splat_of(ordered);
-        splat.least_depth = ordered.least_depth;
+      const std::size_t size = std::min(kGatheredSplats, list.size() - first);
+      for (std::size_t i = 0; i < size; ++i) {
+        __builtin_prefetch(splat_of(list[std::min(first + i + kPrefetched, list.size() - 1)].index));
+        const ListedGaussian& listed = list[first + i];
+        GaussianSplat& splat = splats[i];
+        splat = *splat_of(listed.index);
         if (splat.surfel >= 0) {
-          const ProjectedGaussians& from = parts_[ordered.index / kProjectedRange].projected;
-          surfels.push_back(from.surfels[static_cast<std::size_t>(splat.surfel)]);
+          surfels.push_back(
+              parts_[listed.index / kProjectedRange].projected.surfels[static_cast<std::size_t>(splat.surfel)]);
           splat.surfel = static_cast<std::int32_t>(surfels.size() - 1);
         }
-        for (int row = std::max(ordered.tiles.bottom - bottom, 0);
-             row <= std::min(ordered.tiles.top - bottom, kRegionTiles - 1); ++row)
-          for (int column = std::max(ordered.tiles.left - left, 0);
-               column <= std::min(ordered.tiles.right - left, kRegionTiles - 1); ++column) {
-            const auto tile = static_cast<std::size_t>(kRegionTiles * row + column);
-            orders[tile][counts[tile]++] = static_cast<std::uint16_t>(i - first);
+        for (unsigned row = listed.bottom; row <= listed.top; ++row)
+          for (unsigned column = listed.left; column <= listed.right; ++column) {
+            const unsigned tile = kRegionTiles * row + column;
+            orders[tile][counts[tile]++] = static_cast<std::uint16_t>(i);
           }
       }
-      for (std::size_t tile = 0; tile < Region::kTiles; ++tile) {
+      for (std::size_t tile = 0; tile < GaussianRegion::kTiles; ++tile) {
         if (counts[tile] == 0 || (state.open >> tile & 1) == 0) continue;
-        const int x = (left + static_cast<int>(tile) % kRegionTiles) * kGaussianTile,
-                  y = (bottom + static_cast<int>(tile) / kRegionTiles) * kGaussianTile;
+        const int x = left + static_cast<int>(tile) % kRegionTiles * kGaussianTile,
+                  y = bottom + static_cast<int>(tile) / kRegionTiles * kGaussianTile;
         if ((state.used >> tile & 1) == 0) begin(state.tiles[tile], x, y, stops);
         state.used |= 1u << tile;
         draw({splats.data(), surfels.data()}, {orders[tile].data(), counts[tile]}, x, y, state.tiles[tile]);
@@ -297,14 +336,12 @@ class GaussianPainter {
                   static_cast<std::size_t>(std::min(left + x, view_.width - 1))];
   }
 
-  void write(std::size_t region, std::vector<std::uint8_t>& pixels, std::vector<float>* depths) {
-    if (!states_[region]) return;
-    const Region& state = *states_[region];
+  void write(std::size_t region, const GaussianRegion& state, const Target& target) const {
     const int left = static_cast<int>(region % static_cast<std::size_t>(columns_)) * kRegion,
               bottom = static_cast<int>(region / static_cast<std::size_t>(columns_)) * kRegion;
     const auto pitch = static_cast<std::size_t>(view_.width);
     const GaussianKernel& kernel = gaussian_kernel();
-    for (std::size_t tile = 0; tile < Region::kTiles; ++tile) {
+    for (std::size_t tile = 0; tile < GaussianRegion::kTiles; ++tile) {
       if ((state.used >> tile & 1) == 0) continue;
       const int x = left + static_cast<int>(tile) % kRegionTiles * kGaussianTile,
                 y = bottom + static_cast<int>(tile) / kRegionTiles * kGaussianTile;
@@ -313,18 +350,17 @@ class GaussianPainter {
                  height = static_cast<std::size_t>(std::min(kGaussianTile, view_.height - y));
       constexpr std::size_t kWhole = kGaussianTile;
       if (width == kWhole && height == kWhole) {
-        kernel.write(state.tiles[tile], pixels.data() + 4 * to, depths ? depths->data() + to : nullptr, pitch);
+        kernel.write(state.tiles[tile], target.pixels + 4 * to, target.depths ? target.depths + to : nullptr, pitch);
         continue;
       }
       std::array<std::uint8_t, 4 * kWhole * kWhole> whole;
       std::array<float, kWhole * kWhole> whole_depths;
       kernel.write(state.tiles[tile], whole.data(), whole_depths.data(), kWhole);
       for (std::size_t row = 0; row < height; ++row) {
-        std::copy_n(whole.data() + 4 * row * kWhole, 4 * width, pixels.data() + 4 * (to + row * pitch));
-        if (depths) std::copy_n(whole_depths.data() + row * kWhole, width, depths->data() + to + row * pitch);
+        std::copy_n(whole.data() + 4 * row * kWhole, 4 * width, target.pixels + 4 * (to + row * pitch));
+        if (target.depths) std::copy_n(whole_depths.data() + row * kWhole, width, target.depths + to + row * pitch);
       }
     }
-    states_[region].reset();
   }
 
   std::span<const ProjectedPart> parts_;
@@ -334,16 +370,17 @@ class GaussianPainter {
   int columns_;
   std::size_t regions_, ranges_;       // ranges of kListedRange splats
   std::vector<std::uint32_t> counts_;  // entries of each region, for each range
-  std::vector<std::unique_ptr<Region>> states_;
+  std::vector<std::unique_ptr<GaussianRegion>> states_;
 };
 
 }  // namespace
 
 VolumeLayer rasterize_gaussians(std::span<const GaussianItem> items, const SplatView& view, const VolumeStops& stops) {
   if (view.width <= 0 || view.height <= 0) return {};
-  const std::vector<ProjectedPart> parts = project_all(items, view);
+  std::vector<ProjectedPart> parts = project_all(items, view);
   const std::vector<PlacedGaussian> ordered = in_order(parts, view);
   if (ordered.empty()) return {};
+  if (!stops.near.empty()) set_least_depths(parts, ordered);
   return GaussianPainter(parts, ordered, view, stops).paint();
 }
 

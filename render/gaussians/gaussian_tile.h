@@ -19,11 +19,11 @@ constexpr float kGaussianMostAlpha = 0.99f;
 struct alignas(64) GaussianSplat {
   float x, y;
   float xx, xy, yy;
-  float peak;              // logarithm of the opacity to the base 2, at most 0
-  float reach_x, reach_y;  // half extents of the ellipse at which the opacity is kGaussianLeastAlpha
-  float red, green, blue;  // 0 is black, 1 is white
-  float depth;             // along the view axis, > 0
-  float least_depth;       // of this splat and of all that are blended after it
+  float peak;                      // logarithm of the opacity to the base 2, at most 0
+  float left, right, bottom, top;  // box of the pixels with an opacity of at least kGaussianLeastAlpha
+  float red, green, blue;          // 0 is black, 1 is white
+  float depth;                     // along the view axis, > 0
+  float least_depth;               // of this splat and of all that are blended after it
   /// Index of the surfel that defines the opacity instead of xx, xy and yy; -1 if the splat is not a surfel.
   std::int32_t surfel = -1;
 };
