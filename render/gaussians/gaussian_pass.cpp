@@ -1,6 +1,7 @@
 #include "render/gaussians/gaussian_pass.h"
 
 #include "qnv/codecs/gaussians/lod/splat_stream.h"
+#include "qnv/codecs/shared/chunk_requests.h"
 #include "render/collection/collector.h"
 #include "render/gaussians/gaussian_raster.h"
 #include "render/splat/splat_budget.h"
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <unordered_map>
 #include <utility>
@@ -59,7 +61,7 @@ class GaussianCollector {
       if (gaussians->stream)
         add_cut(item, *gaussians->stream, shares[i]);
       else
-        add_all(item, *gaussians);
+        add_all(item, *gaussians, shares[i]);
     }
     return std::move(scene_);
   }
@@ -79,7 +81,23 @@ class GaussianCollector {
     return own;
   }
 
-  void add_all(const SplatItem& item, const qnv::Gaussians& gaussians) {
+  /// Returns the view of the whole image for a cut of an item. Returns nullopt if it is not finite.
+  [[nodiscard]] std::optional<qnv::LodView> view_of(const SplatItem& item, const qnv::ChunkRequests& requests,
+                                                    std::size_t budget) {
+    SplatView view = whole_;
+    view.camera_from_node = glm::mat4(camera_from_world_ * item.world_from_node);
+    auto lod = lod_view(view);
+    if (!lod) return lod;
+    lod->budget = budget;
+    lod->error_pixels = options_.splat_error / std::max(item.detail, 1e-6f);
+    // Each instance of a stream keeps its own level of detail.
+    lod->viewport = options_.viewport + (shown_[&requests]++ << 16);
+    return lod;
+  }
+
+  void add_all(const SplatItem& item, const qnv::Gaussians& gaussians, std::size_t budget) {
+    if (gaussians.requests)
+      if (const auto view = view_of(item, *gaussians.requests, budget)) gaussians.requests->note(*view);
     scene_.held.push_back(qnv::shared_as<qnv::Gaussians>(item.geometry));
     GaussianItem& own = scene_.items.emplace_back(item_of(item));
     own.gaussians = &gaussians;
@@ -89,14 +107,8 @@ class GaussianCollector {
   /// Adds the cut of a stream for the whole image, so that its tiles match.
   void add_cut(const SplatItem& item, qnv::SplatStream& stream, std::size_t budget) {
     const PhaseScope phase(gl_.phases, Phase::cut);
-    SplatView view = whole_;
-    view.camera_from_node = glm::mat4(camera_from_world_ * item.world_from_node);
-    auto lod = lod_view(view);
+    auto lod = view_of(item, stream, budget);
     if (!lod) return;
-    lod->budget = budget;
-    lod->error_pixels = options_.splat_error / std::max(item.detail, 1e-6f);
-    // Each instance of a stream keeps its own level of detail.
-    lod->viewport = options_.viewport + (shown_[&stream]++ << 16);
     if (options_.most_decoded > 0)
       lod->most_decoded = std::max<std::size_t>(decodable_ / (kDecodingCost * streams_--), 1);
     const std::vector<qnv::SplatRun>& runs = stream.cut(*lod, options_.time);
@@ -120,7 +132,7 @@ class GaussianCollector {
   SplatView whole_;
   float back_;
   std::size_t decodable_, streams_ = 0;
-  std::unordered_map<const qnv::SplatStream*, std::uint32_t> shown_;  // instances of each stream so far
+  std::unordered_map<const qnv::ChunkRequests*, std::uint32_t> shown_;  // instances of each stream so far
   GaussianScene scene_;
 };
 
