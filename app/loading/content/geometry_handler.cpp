@@ -4,6 +4,7 @@
 #include "app/base/temporary_file.h"
 #include "app/formats/archive/zip_archive.h"
 #include "app/formats/flow/flow_mesh.h"
+#include "app/formats/qnv/held_streams.h"
 #include "app/formats/splats/splats_sog.h"
 #include "app/formats/volume/coarser_volume.h"
 #include "app/loading/content/splat_levels.h"
@@ -318,6 +319,15 @@ void GeometryHandler::choose_way() {
       return;
     }
   }
+  if (known.payload == qnv::Payload::gaussians && !loading_.options.whole_surfaces) {
+    auto begun = qnv::SplatStream::begin(bytes_);
+    if (auto* stream = std::get_if<std::unique_ptr<qnv::SplatStream>>(&begun)) {
+      way_ = Way::pushed;
+      start_cuts(hold_cuts(std::move(*stream), loading_.budget, true));
+      bytes_ = {};
+      return;
+    }
+  }
   if (known.steps.times.empty() && qnv::BrickVolume::suits(known, most_decoded_vectors(*loading_.budget))) {
     BrickShare share(loading_.budget, true);
     auto begun = qnv::BrickVolume::begin(bytes_, share.limits);
@@ -357,6 +367,11 @@ void GeometryHandler::add_feed(std::shared_ptr<StreamFeed> feed) {
 void GeometryHandler::start_levels(std::shared_ptr<qnv::LodStream> stream) {
   add_feed(std::make_shared<StreamFeed>(stream, [waker = loading_.waker] { waker->wake(); }));
   show_(std::make_shared<const qnv::Geometry>(qnv::OctreeSplats(std::move(stream))));
+}
+
+void GeometryHandler::start_cuts(std::shared_ptr<qnv::SplatStream> stream) {
+  add_feed(std::make_shared<StreamFeed>(stream, [waker = loading_.waker] { waker->wake(); }));
+  show_(std::make_shared<const qnv::Geometry>(gaussians_of(std::move(stream))));
 }
 
 void GeometryHandler::start_bricks(const std::shared_ptr<qnv::BrickVolume>& volume) {

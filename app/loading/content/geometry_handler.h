@@ -63,6 +63,7 @@ class GeometryHandler final : public ResourceHandler {
   enum class Way : std::uint8_t { unknown, pushed, decoded, whole, done };
   void choose_way();
   void start_levels(std::shared_ptr<qnv::LodStream> stream);
+  void start_cuts(std::shared_ptr<qnv::SplatStream> stream);
   void start_bricks(const std::shared_ptr<qnv::BrickVolume>& volume);
   void start_decoder(const qnv::StreamHeader& header);
   void end_requests();
