@@ -16,7 +16,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::uint64_t kPutAsideRuns = 5;       // number of runs to read before memory is released; 65 MB of facets
+constexpr std::uint64_t kPutAsideRuns = 20;      // number of runs to read before memory is released; 65 MB of facets
 constexpr std::size_t kColorsLookedAt = 65'536;  // number of facets to check for colours
 const qnv::Rgb8 kPlainGrey{204, 204, 204};       // default Material.diffuseColor (VRML97 6.27)
 

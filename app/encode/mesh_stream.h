@@ -17,7 +17,7 @@ namespace gs::app {
 /// corners are skipped. A truncated file gives its complete faces. The source has runs of kRunFaces faces. Any thread,
 /// but only one at a time.
 struct MeshStream {
-  static constexpr std::uint64_t kRunFaces = std::uint64_t{1} << 18;
+  static constexpr std::uint64_t kRunFaces = std::uint64_t{1} << 16;
 
   std::uint64_t faces = 0;  // number of faces that the file contains
   glm::vec3 size{0};        // size of the bounding box; 0 if only reading all triangles would tell

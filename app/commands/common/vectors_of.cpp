@@ -172,7 +172,7 @@ Upright wanted_upright(const ConversionOptions& options, const OpenedInput& inpu
 bool shares_work(const ConversionOptions& options, const OpenedInput& input) {
   if (std::holds_alternative<MeshStream>(input.content)) return true;
   const auto* const volume = std::get_if<qnv::VolumeSource>(&input.content);
-  return volume && !volume->layout.labels && !options.isovalue && options.exact_bits <= 0 && keeps_values(options);
+  return volume && !options.isovalue && options.exact_bits <= 0 && keeps_values(options);
 }
 
 std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptions& options, const OpenedInput& input,
@@ -230,7 +230,7 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
     encode_options.tolerance = options.value_tolerance;
     encode_options.spill = output.spill;
     encode_options.sink = output.sink;
-    encode_options.ranks = volume.layout.labels ? nullptr : output.ranks;
+    encode_options.ranks = output.ranks;
     return encode(std::cref(volume), {qnv::Payload::values, std::move(encode_options)}, progress);
   }
   auto found = gradients(volume, options, progress);

@@ -26,8 +26,8 @@ struct EncodeOutput {
   unsigned threads = 0;
 };
 
-/// Reports whether several ranks can share the work of encode_input(): the values of a volume without labels, or a mesh
-/// that exceeds memory.
+/// Reports whether several ranks can share the work of encode_input(): the values of a volume, or a mesh that exceeds
+/// memory.
 [[nodiscard]] bool shares_work(const ConversionOptions& options, const OpenedInput& input);
 
 /// Encodes an input (qnv::encode) with the settings of the options. Only volumes use the sink of `output`; other

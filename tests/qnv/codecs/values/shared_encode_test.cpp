@@ -1,5 +1,6 @@
 #include "qnv/codecs/shared/ranks.h"
 #include "qnv/codecs/values/encode/values_stream.h"
+#include "qnv/codecs/values/labels/encode/label_stream.h"
 #include "qnv/codecs/values/slices/slice_transform.h"
 #include "tests/qnv/thread_ranks.h"
 #include "tests/qnv/volume_sources.h"
@@ -20,6 +21,10 @@ namespace shared_encode_test {
 
 using Result = std::variant<EncodedStream, EncodeError>;
 
+Result encode_volume(const VolumeSource& volume, const EncodeOptions& options) {
+  return volume.layout.labels ? encode_labels(volume, options) : encode_values(volume, options);
+}
+
 std::vector<Result> encode_with(SharedMemory& state, const VolumeSource& volume, const EncodeOptions& options,
                                 std::uint64_t last_fails_at = 0) {
   const std::size_t count = state.stores.size();
@@ -36,13 +41,13 @@ std::vector<Result> encode_with(SharedMemory& state, const VolumeSource& volume,
       own.spill = &store;
       own.sink = &sink;
       own.threads = 1;
-      results[rank] = encode_values(volume, own);
+      results[rank] = encode_volume(volume, own);
     });
   return results;
 }
 
 std::vector<std::byte> encode_alone(const VolumeSource& volume, const EncodeOptions& options) {
-  auto encoded = encode_values(volume, options);
+  auto encoded = encode_volume(volume, options);
   REQUIRE(std::holds_alternative<EncodedStream>(encoded));
   return std::get<EncodedStream>(encoded).bytes;
 }
@@ -71,6 +76,22 @@ VolumeSource integers(std::uint32_t nx, std::uint32_t ny, std::uint32_t nz) {
   for (std::uint32_t z = 0; z < nz; ++z)
     for (std::uint32_t y = 0; y < ny; ++y)
       for (std::uint32_t x = 0; x < nx; ++x) voxels.push_back(static_cast<std::int16_t>(rough(x, y, z)));
+  return test::volume_of(layout, std::move(voxels));
+}
+
+/// Returns labels: balls of many kinds in 0. The numbers of kinds differ between the first and the last slices.
+VolumeSource labels(std::uint32_t nx, std::uint32_t ny, std::uint32_t nz, std::uint32_t shift = 0) {
+  VolumeLayout layout = layout_of(nx, ny, nz);
+  layout.type = VoxelType::u16;
+  layout.labels = true;
+  std::vector<std::uint16_t> voxels;
+  for (std::uint32_t z = 0; z < nz; ++z)
+    for (std::uint32_t y = 0; y < ny; ++y)
+      for (std::uint32_t x = 0; x < nx; ++x) {
+        const std::uint32_t a = (x + shift) % 24, b = y % 22, c = z % 20;
+        const bool inside = (a - 12) * (a - 12) + (b - 11) * (b - 11) + (c - 10) * (c - 10) < 70;
+        voxels.push_back(static_cast<std::uint16_t>(inside ? 1 + x / 24 + 40 * (y / 22) + 700 * (z / 20) : 0));
+      }
   return test::volume_of(layout, std::move(voxels));
 }
 
@@ -103,6 +124,18 @@ TEST_CASE("shared encoding: Any number of ranks gives the bytes of one process")
   SECTION("a limited size") {
     options.max_bytes = 20'000;
     check_equal(integers(50, 37, 143), options, {2});
+  }
+  SECTION("labels") { check_equal(labels(70, 45, 67), options, {1, 2, 3, 5}); }
+  SECTION("labels of a large slice, which have several segments") { check_equal(labels(1030, 520, 6), options, {3}); }
+  SECTION("labels with a limited size") {
+    options.max_bytes = 3'000;
+    check_equal(labels(70, 45, 67), options, {3});
+  }
+  SECTION("labels of a time series") {
+    VolumeSource series = labels(50, 40, 30);
+    series.steps = {labels(50, 40, 30), labels(50, 40, 30), labels(50, 40, 30, 1)};
+    series.times = {0, 1, 2};
+    check_equal(series, options, {4});
   }
   SECTION("equal parity") {
     options.parity = 0.1;
@@ -159,6 +192,19 @@ TEST_CASE("shared encoding: All ranks report the error of one") {
   for (const Result& result : encode_with(other, broken, {})) {
     REQUIRE(std::holds_alternative<EncodeError>(result));
     CHECK_THAT(std::get<EncodeError>(result).message, Catch::Contains("slice 120"));
+  }
+}
+
+TEST_CASE("shared encoding: All ranks report numbers that are no labels") {
+  // The last slice alone has a fraction. The other ranks cannot know that.
+  VolumeLayout layout = layout_of(20, 20, 12);
+  layout.labels = true;
+  const VolumeSource volume = test::volume_of(
+      layout, [](std::uint32_t x, std::uint32_t, std::uint32_t z) { return z == 11 ? 0.5f : static_cast<float>(x); });
+  SharedMemory state(3);
+  for (const Result& result : encode_with(state, volume, {})) {
+    REQUIRE(std::holds_alternative<EncodeError>(result));
+    CHECK(std::get<EncodeError>(result).message.starts_with("slice 11 of the label volume has numbers"));
   }
 }
 
