@@ -102,10 +102,10 @@ GaussianSurvey survey(std::span<const GaussianItem> items, const SplatView& view
     result.splats += share * static_cast<double>(found.splats.size());
     double pixels = 0;
     for (const GaussianSplat& splat : found.splats) {
-      const auto extent = [](float middle, float reach, float size) {
-        return static_cast<double>(std::min(middle + reach, size) - std::max(middle - reach, 0.0f)) + 1;
+      const auto extent = [](float from, float to, float size) {
+        return static_cast<double>(std::min(to, size) - std::max(from, 0.0f)) + 1;
       };
-      pixels += extent(splat.x, splat.reach_x, width) * extent(splat.y, splat.reach_y, height);
+      pixels += extent(splat.left, splat.right, width) * extent(splat.bottom, splat.top, height);
     }
     result.pixels += share * pixels;
   }
