@@ -223,6 +223,10 @@ TEST_CASE("draws equal Gaussians with any number of threads and both kernels") {
   const VolumeLayer five = rasterize_gaussians({&item, 1}, view);
   CHECK(one.pixels == five.pixels);
   CHECK(one.depth == five.depth);
+  // Another picture between both uses the same arrays.
+  const SplatView other = view_of(90, 70);
+  (void)rasterize_gaussians({&item, 1}, other);
+  CHECK(rasterize_gaussians({&item, 1}, view).pixels == one.pixels);
   ProjectedGaussians all;
   project_gaussians(item, view, 0, gaussians.size(), all);
   REQUIRE(all.splats.size() > 10000);
@@ -271,9 +275,9 @@ TEST_CASE("sorts Gaussians stably with any number of threads") {
       std::vector<GaussianKey> keys;
       for (std::size_t i = 0; i < count; ++i)
         keys.push_back({static_cast<std::uint32_t>(random()) % span, static_cast<std::uint32_t>(i)});
-      std::vector<GaussianKey> one = keys, four = keys;
-      sort_gaussians(one, 1);
-      sort_gaussians(four, 4);
+      std::vector<GaussianKey> one = keys, four = keys, other;
+      sort_gaussians(one, other, 1);
+      sort_gaussians(four, other, 4);
       std::ranges::stable_sort(keys, {}, &GaussianKey::key);
       const auto equal = [](const GaussianKey& a, const GaussianKey& b) {
         return a.key == b.key && a.index == b.index;
