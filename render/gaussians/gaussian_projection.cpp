@@ -140,14 +140,15 @@ void project_gaussians(const GaussianItem& item, const SplatView& view, std::siz
   const GaussianProjection projection(*lens, view);
   const glm::mat3 linear(item.camera_from_node);
   const glm::vec3 eye = glm::inverse(linear) * -glm::vec3(item.camera_from_node[3]);
-  const std::size_t end = std::min({last, item.count, g.size()}), per = qnv::harmonic_count(g.degree);
-  for (std::size_t i = first; i < end; ++i) {
+  const std::size_t start = std::min(item.first, g.size()),
+                    end = start + std::min({last, item.count, g.size() - start}), per = qnv::harmonic_count(g.degree);
+  for (std::size_t i = start + first; i < end; ++i) {
     const glm::vec3& position = g.positions[i];
     SeenGaussian seen;
     seen.place = glm::vec3(item.camera_from_node * glm::vec4(position, 1.0f));
     const float depth = -seen.place.z;
     if (!(depth > view.near_plane && depth > 0)) continue;
-    seen.opacity = g.opacities[i] * item.opacity;
+    seen.opacity = faded_opacity(g.opacities[i] * item.opacity, item.presence);
     if (!(seen.opacity >= kGaussianLeastAlpha)) continue;
     if (item.clip && !(glm::dot(glm::vec3(*item.clip), position) + item.clip->w >= 0)) continue;
     const glm::vec4& q = g.rotations[i];

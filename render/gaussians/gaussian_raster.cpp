@@ -75,24 +75,34 @@ TileRange tiles_of(const GaussianSplat& splat, const SplatView& view) {
           tile(splat.top, view.height)};
 }
 
-/// Projects all splats, in tasks of kProjectedRange input splats.
+/// Projects all splats, in tasks of kProjectedRange input splats. A task may have splats of several items.
 void project_all(std::span<const GaussianItem> items, const SplatView& view, std::vector<ProjectedPart>& parts) {
-  struct Task {
+  struct Run {
     std::size_t item, first, last;
   };
-  std::vector<Task> tasks;
+  std::vector<Run> runs;
+  std::vector<std::size_t> tasks{0};  // first run of each task, then the end
+  std::size_t listed = 0;             // splats of the last task so far
   for (std::size_t i = 0; i < items.size(); ++i) {
     const std::size_t count = items[i].gaussians ? std::min(items[i].count, items[i].gaussians->size()) : 0;
-    for (std::size_t first = 0; first < count; first += kProjectedRange)
-      tasks.push_back({i, first, std::min(count, first + kProjectedRange)});
+    for (std::size_t first = 0, last = 0; first < count; first = last) {
+      last = std::min(count, first + kProjectedRange - listed);
+      runs.push_back({i, first, last});
+      listed += last - first;
+      if (listed < kProjectedRange) continue;
+      tasks.push_back(runs.size());
+      listed = 0;
+    }
   }
-  parts.resize(tasks.size());
+  if (listed > 0) tasks.push_back(runs.size());
+  parts.resize(tasks.size() - 1);
   parallel_for(
-      tasks.size(),
+      parts.size(),
       [&](std::size_t t) {
         ProjectedPart& part = parts[t];
         part.clear();
-        project_gaussians(items[tasks[t].item], view, tasks[t].first, tasks[t].last, part.projected);
+        for (std::size_t run = tasks[t]; run < tasks[t + 1]; ++run)
+          project_gaussians(items[runs[run].item], view, runs[run].first, runs[run].last, part.projected);
         part.places.reserve(part.projected.splats.size());
         auto index = static_cast<std::uint32_t>(t * kProjectedRange);
         for (const GaussianSplat& splat : part.projected.splats)
