@@ -17,14 +17,14 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kProjectedRange = 8192;                  // splats per projection task
-constexpr std::size_t kListedRange = 4096;                     // splats per task that makes lists of regions
-constexpr std::size_t kMostEntries = std::size_t{1} << 21;     // of all regions that are kept at once
-constexpr int kRegionTiles = 4;                                // tiles along the side of a region
-constexpr int kRegion = kRegionTiles * kGaussianTile;          // pixels along the side of a region
-constexpr std::size_t kPrefetched = 16;                        // splats between a prefetch and its use
-constexpr std::size_t kMostKeptBytes = std::size_t{64} << 20;  // of arrays that the next picture reuses
-constexpr std::size_t kGatheredSplats = 512;                   // of a region that are blended together
+constexpr std::size_t kProjectedRange = 8192;                   // splats per projection task
+constexpr std::size_t kListedRange = 4096;                      // splats per task that makes lists of regions
+constexpr std::size_t kMostEntries = std::size_t{1} << 21;      // of all regions that are kept at once
+constexpr int kRegionTiles = 4;                                 // tiles along the side of a region
+constexpr int kRegion = kRegionTiles * kGaussianTile;           // pixels along the side of a region
+constexpr std::size_t kPrefetched = 16;                         // splats between a prefetch and its use
+constexpr std::size_t kMostKeptBytes = std::size_t{128} << 20;  // of arrays that the next picture reuses
+constexpr std::size_t kGatheredSplats = 512;                    // of a region that are blended together
 
 /// Tiles that a splat touches, inclusive.
 struct TileRange {

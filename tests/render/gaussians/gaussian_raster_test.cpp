@@ -1,5 +1,6 @@
 #include "render/gaussians/gaussian_raster.h"
 
+#include "render/gaussians/gaussian_ellipse.h"
 #include "render/gaussians/gaussian_harmonics.h"
 #include "render/gaussians/gaussian_order.h"
 #include "render/rays/gaussian_pick.h"
@@ -266,6 +267,49 @@ TEST_CASE("draws equal Gaussians with any number of threads and both kernels") {
     CHECK(pixels[0][4 * at + 3] == Approx(255 * (1 - fast.groups[group].clear[lane])).margin(0.51));
     CHECK(pixels[0][4 * at + 1] == Approx(255 * fast.groups[group].green[lane]).margin(0.51));
   }
+}
+
+TEST_CASE("projects equal ellipses with both kernels, also of hostile Gaussians") {
+  GaussianLens lens{};
+  const glm::mat4 matrix = seen_from({1, 2, 3});
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 3; ++row)
+      lens.camera_from_node[static_cast<std::size_t>(column)][static_cast<std::size_t>(row)] = matrix[column][row];
+  lens.pixels_x = lens.pixels_y = 100;
+  lens.middle_x = lens.middle_y = 50;
+  lens.left = lens.bottom = -0.6f;
+  lens.right = lens.top = 0.6f;
+  lens.last_x = lens.last_y = 99;
+  std::mt19937 random(9);
+  std::normal_distribution<float> normal;
+  const std::array<float, 6> odd{
+      0, -1, 1e30f, -1e30f, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()};
+  int visible = 0;
+  for (int round = 0; round < 500; ++round) {
+    lens.antialiased = round % 2 == 0;
+    EightGaussians fast{};
+    for (auto* numbers :
+         {&fast.position_x, &fast.position_y, &fast.position_z, &fast.scale_x, &fast.scale_y, &fast.scale_z,
+          &fast.rotation_x, &fast.rotation_y, &fast.rotation_z, &fast.rotation_w, &fast.opacity})
+      for (float& number : *numbers) number = random() % 100 == 0 ? odd[random() % odd.size()] : 0.3f * normal(random);
+    EightGaussians plain = fast;
+    gaussian_ellipses()(lens, fast);
+    gaussian_ellipses_baseline()(lens, plain);
+    REQUIRE(fast.placed == plain.placed);
+    REQUIRE(fast.visible == plain.visible);
+    for (std::size_t k = 0; k < EightGaussians::kLanes; ++k) {
+      if ((fast.visible >> k & 1) == 0) continue;
+      ++visible;
+      for (const auto numbers : {&EightGaussians::seen_x, &EightGaussians::distance, &EightGaussians::x,
+                                 &EightGaussians::xx, &EightGaussians::xy, &EightGaussians::yy, &EightGaussians::peak,
+                                 &EightGaussians::left, &EightGaussians::top}) {
+        CHECK(std::isfinite((fast.*numbers)[k]));
+        CHECK((fast.*numbers)[k] == (plain.*numbers)[k]);
+      }
+      CHECK(fast.peak[k] == Approx(std::log2(std::min(fast.opacity[k], 1.0f))).margin(lens.antialiased ? 9 : 1e-5));
+    }
+  }
+  CHECK(visible > 300);
 }
 
 TEST_CASE("sorts Gaussians stably with any number of threads") {
