@@ -1,10 +1,13 @@
 #!/usr/bin/env python3
 """Measures ghostspace-mpi: strong and weak scaling, memory of each rank, messages. Prints Markdown tables.
 
-usage: bench_mpi.py [--size X,Y,Z] [--ranks 1,2,4] [--memory SIZE] [--weak] [--folder FOLDER] [-o OPTION]... [PROGRAM]
+usage: bench_mpi.py [--size X,Y,Z | --mesh FACETS | --input FILE] [--ranks 1,2,4] [--memory SIZE] [--weak]
+                    [--folder FOLDER] [-o OPTION]... [PROGRAM]
 
-The volume has noise and blobs, 16 bits per voxel. With --weak, each number of ranks gets as many times Z slices.
-Checks that all ranks write the bytes of `ghostspace encode`. -o passes an option to both programs, as in -o=--lossless.
+The volume has noise and blobs, 16 bits per voxel. With --weak, each number of ranks gets as many times Z slices. --mesh
+encodes a wavy ball as binary STL instead; with --weak, each number of ranks gets as many times the facets. --input
+encodes a file. Checks that all ranks write the bytes of `ghostspace encode`. -o passes an option to both programs, as in
+-o=--lossless. Bytes read are those of storage: the input leaves the page cache before each run.
 """
 
 import argparse
@@ -14,12 +17,15 @@ import os
 import resource
 import subprocess
 import tempfile
+import threading
 import time
 
 import numpy
 
 options = argparse.ArgumentParser(usage=__doc__)
 options.add_argument("--size", default="256,256,512")
+options.add_argument("--mesh", type=int)
+options.add_argument("--input")
 options.add_argument("--ranks", default="1,2,3,4")
 options.add_argument("--memory")
 options.add_argument("--weak", action="store_true")
@@ -46,6 +52,70 @@ def write_volume(path, size):
             file.write(slice_.astype("<u2").tobytes())
 
 
+def write_mesh(path, facets):
+    rows = int((facets / 4) ** 0.5)
+    columns = 2 * rows
+    facet = numpy.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+    longitude = numpy.arange(columns + 1) % columns * (2 * numpy.pi / columns)
+
+    def ring(i):
+        latitude = numpy.pi * i / rows
+        out = numpy.sin(latitude)
+        radius = 1 + out ** 2 * (0.02 * numpy.sin(21 * longitude) * numpy.sin(17 * latitude) + 0.0004 * numpy.sin(389 * longitude))
+        parts = (radius * out * numpy.cos(longitude), radius * out * numpy.sin(longitude), radius * numpy.cos(latitude))
+        return numpy.stack(parts, axis=1)
+
+    with open(path, "wb") as file:
+        file.write(b" " * 80 + numpy.uint32(2 * rows * columns).tobytes())
+        above = ring(0)
+        for i in range(rows):
+            below = ring(i + 1)
+            row = numpy.zeros(2 * columns, facet)
+            row["corners"][0::2] = numpy.stack([above[:-1], below[:-1], below[1:]], axis=1)
+            row["corners"][1::2] = numpy.stack([above[:-1], below[1:], above[1:]], axis=1)
+            file.write(row.tobytes())
+            above = below
+
+
+class Reads(threading.Thread):
+    """Notes the bytes that each rank and its children read from storage, until stop()."""
+
+    def __init__(self, program):
+        super().__init__(daemon=True)
+        self.program, self.bytes, self.ended = os.path.realpath(program), {}, threading.Event()
+
+    def run(self):
+        while not self.ended.wait(0.02):
+            for pid in filter(str.isdigit, os.listdir("/proc")):
+                try:
+                    if os.readlink("/proc/%s/exe" % pid) != self.program:
+                        continue
+                    with open("/proc/%s/stat" % pid) as file:
+                        parent = file.read().rsplit(")", 1)[1].split()[1]
+                    with open("/proc/%s/io" % pid) as file:
+                        read = int(file.read().split("read_bytes: ")[1].split()[0])
+                    self.bytes[pid] = (parent, read)
+                except (OSError, IndexError):
+                    pass
+
+    def most(self):
+        """Returns the most bytes of a rank, in which those of its children count."""
+        self.ended.set()
+        self.join()
+        ranks = {}
+        for pid, (parent, read) in self.bytes.items():
+            rank = parent if parent in self.bytes else pid
+            ranks[rank] = ranks.get(rank, 0) + read
+        return max(ranks.values(), default=0)
+
+
+def forget(path):
+    """Removes a file from the page cache."""
+    with open(path, "rb") as file:
+        os.fsync(file.fileno())
+        os.posix_fadvise(file.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
+
+
 def sum_of(path):
     digest = hashlib.sha256()
     with open(path, "rb") as file:
@@ -56,44 +126,54 @@ def sum_of(path):
 
 def encode(command, source, out):
     memory = ["--memory", options.memory] if options.memory else []
+    forget(source)
+    reads = Reads(command[-1])
+    reads.start()
     begin = time.time()
     made = subprocess.run(command + ["encode", source, out, "--json"] + memory + options.option, env=ENVIRONMENT,
                           capture_output=True, text=True)
     if made.returncode != 0:
         raise SystemExit(made.stderr)
-    return json.loads(made.stdout), time.time() - begin
+    return json.loads(made.stdout), time.time() - begin, reads.most()
 
 
 def main():
     nx, ny, nz = (int(one) for one in options.size.split(","))
-    source, alone, out = (os.path.join(options.folder, "ghostspace-bench-mpi." + end) for end in ("nrrd", "alone.qnv", "qnv"))
+    alone, out = (os.path.join(options.folder, "ghostspace-bench-mpi." + end) for end in ("alone.qnv", "qnv"))
+    source = options.input or os.path.join(options.folder, "ghostspace-bench-mpi." + ("stl" if options.mesh else "nrrd"))
     load = os.getloadavg()[0]
-    print("%d cores, load %.1f before, volume %d x %d x %d%s\n" % (os.cpu_count(), load, nx, ny, nz, " per rank" if options.weak else ""))
-    print("| program | time, s | most CPU time of a rank, s | bytes | most memory of a rank, MB | messages of a rank | sent by a "
-          "rank, kB | largest, kB |")
-    print("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |")
+    what = ("a file of %d bytes" % os.path.getsize(source) if options.input else "mesh of %d facets" % options.mesh
+            if options.mesh else "volume %d x %d x %d" % (nx, ny, nz))
+    print("%d cores, load %.1f before, %s%s\n" % (os.cpu_count(), load, what, " per rank" if options.weak else ""))
+    print("| program | time, s | most CPU time of a rank, s | bytes | most memory of a rank, MB | most read by a rank, MB | "
+          "messages of a rank | sent by a rank, kB | largest, kB |")
+    print("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |")
     made_for = None
     for ranks in (int(one) for one in options.ranks.split(",")):
-        size = (nx, ny, nz * ranks if options.weak else nz)
-        if size != made_for:
-            write_volume(source, size)
-            made_for = size
+        times = ranks if options.weak else 1
+        if times != made_for:
+            if options.mesh:
+                write_mesh(source, options.mesh * times)
+            elif not options.input:
+                write_volume(source, (nx, ny, nz * times))
+            made_for = times
             before = resource.getrusage(resource.RUSAGE_CHILDREN)
-            facts, seconds = encode([PROGRAM], source, alone)
+            facts, seconds, read = encode([PROGRAM], source, alone)
             after = resource.getrusage(resource.RUSAGE_CHILDREN)
             used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
             peak = after.ru_maxrss * 1024
-            print("| `ghostspace`%s | %.1f | %.1f | %d | %.0f | | | |" %
-                  (", %d slices" % size[2] if options.weak else "", seconds, used, facts["bytes"], peak / 1e6), flush=True)
-        facts, seconds = encode(["mpirun", "--quiet", "--oversubscribe", "--bind-to", "none", "-n", str(ranks),
-                                 PROGRAM + "-mpi"], source, out)
+            print("| `ghostspace`%s | %.1f | %.1f | %d | %.0f | %.0f | | | |" %
+                  (", %d times the input" % times if options.weak else "", seconds, used, facts["bytes"], peak / 1e6, read / 1e6),
+                  flush=True)
+        facts, seconds, read = encode(["mpirun", "--quiet", "--oversubscribe", "--bind-to", "none", "-n", str(ranks),
+                                       PROGRAM + "-mpi"], source, out)
         most = {key: max(one[key] for one in facts["ranks"]) for key in facts["ranks"][0]}
-        print("| %d ranks | %.1f | %.1f | %d | %.0f | %d | %.1f | %.1f |" %
-              (ranks, seconds, most["cpu_seconds"], facts["bytes"], most["peak_memory"] / 1e6, most["messages"], most["sent_bytes"] / 1e3,
-               most["largest_message"] / 1e3), flush=True)
+        print("| %d ranks | %.1f | %.1f | %d | %.0f | %.0f | %d | %.1f | %.1f |" %
+              (ranks, seconds, most["cpu_seconds"], facts["bytes"], most["peak_memory"] / 1e6, read / 1e6, most["messages"],
+               most["sent_bytes"] / 1e3, most["largest_message"] / 1e3), flush=True)
         if sum_of(out) != sum_of(alone):
             raise SystemExit("%d ranks wrote other bytes" % ranks)
-    for path in (source, alone, out):
+    for path in (alone, out) if options.input else (source, alone, out):
         os.unlink(path)
 
 

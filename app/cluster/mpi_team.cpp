@@ -57,13 +57,10 @@ class MpiFile final : public TeamFile {
     }
     // Overwrites the front after the first piece, which contains its preliminary bytes.
     if (!front_.empty() && !failed_) put(0, front_);
-    int failed = failed_ ? 1 : 0, any = 0;
-    MPI_Allreduce(&failed, &any, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
     // All ranks close the file, because closing waits for all.
-    const bool synced = MPI_File_sync(file_) == MPI_SUCCESS, closed = MPI_File_close(&file_) == MPI_SUCCESS;
-    if (any == 0 && synced && closed) return std::nullopt;
-    if (any == 0) reason_ = "the file system refuses some bytes";
-    return "cannot write the stream: " + (reason_.empty() ? std::string("another rank failed") : reason_);
+    if (MPI_File_sync(file_) != MPI_SUCCESS) fail("the file system refuses some bytes");
+    if (MPI_File_close(&file_) != MPI_SUCCESS) fail("the file system refuses some bytes");
+    return first_failure();
   }
 
  private:
@@ -92,11 +89,26 @@ class MpiFile final : public TeamFile {
     if (result == MPI_SUCCESS) MPI_Get_count(&status, MPI_BYTE, &got);
     written_ += static_cast<std::uint64_t>(got);
     if (result == MPI_SUCCESS && static_cast<std::size_t>(got) == bytes) return;
-    failed_ = true;
     std::array<char, MPI_MAX_ERROR_STRING> text{};
     int length = 0;
     if (result != MPI_SUCCESS) MPI_Error_string(result, text.data(), &length);
-    reason_ = length > 0 ? std::string(text.data(), static_cast<std::size_t>(length)) : "the disk is full";
+    fail(length > 0 ? std::string(text.data(), static_cast<std::size_t>(length)) : "the disk is full");
+  }
+  void fail(const std::string& reason) {
+    if (!failed_) reason_ = reason;
+    failed_ = true;
+  }
+  // Returns the failure of the first rank that has one, equally on all ranks. Collective.
+  [[nodiscard]] std::optional<std::string> first_failure() const {
+    int rank = 0, first = 0;
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    const int own = failed_ ? rank : INT_MAX;
+    MPI_Allreduce(&own, &first, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
+    if (first == INT_MAX) return std::nullopt;
+    std::array<char, MPI_MAX_ERROR_STRING + 1> text{};
+    if (rank == first) (void)reason_.copy(text.data(), text.size() - 1);
+    MPI_Bcast(text.data(), static_cast<int>(text.size()), MPI_CHAR, first, MPI_COMM_WORLD);
+    return "cannot write the stream: " + std::string(text.data());
   }
 
   MPI_File file_;
@@ -114,15 +126,32 @@ int end_output = -1;
 bool end_leads = false;
 volatile std::sig_atomic_t end_agreed = 0;  // 1 if all processes end together; rank 0 has printed the reason
 
+// Reports whether this process is the first one that prints why the run ends.
+bool claims_end() {
+  return end_mark[0] == '\0' ? end_leads : ::open(end_mark.data(), O_CREAT | O_EXCL | O_CLOEXEC, 0666) >= 0;
+}
+
 // Handles SIGTERM, which MPI sends after a process died, and batch systems send to end a run. One process prints.
 extern "C" void end_process(int) {
   constexpr char kLine[] =
       "ghostspace-mpi: error: a process died, or the system ended the run; the output was not written, --resume "
       "continues\n";
   if (end_agreed != 0) ::_exit(kFailed);
-  const bool first = end_mark[0] == '\0' ? end_leads : ::open(end_mark.data(), O_CREAT | O_EXCL | O_CLOEXEC, 0666) >= 0;
-  if (first) (void)!::write(end_output, kLine, sizeof kLine - 1);
+  if (claims_end()) (void)!::write(end_output, kLine, sizeof kLine - 1);
   ::_exit(kFailed);
+}
+
+// Reports whether a condition holds on all ranks. Collective.
+bool on_all_ranks(bool own) {
+  int good = own ? 1 : 0, all = 0;
+  MPI_Allreduce(&good, &all, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
+  return all != 0;
+}
+
+bool can_open(const std::string& path, int flags) {
+  const int file = ::open(path.c_str(), flags | O_CLOEXEC | O_NOFOLLOW, 0666);
+  if (file >= 0) (void)::close(file);
+  return file >= 0;
 }
 
 }  // namespace
@@ -223,11 +252,12 @@ std::string MpiTeam::hidden_errors() const {
 std::unique_ptr<TeamFile> MpiTeam::create(const std::string& path) {
   const std::string mark = net::part_end_mark(path);
   if (ranks_.rank() == 0) ::unlink(mark.c_str());
+  // MPI may wait forever for a rank that alone cannot open the file. So each rank tries before.
+  if (!on_all_ranks(ranks_.rank() != 0 || can_open(path, O_WRONLY | O_CREAT | O_TRUNC))) return nullptr;
+  if (!on_all_ranks(can_open(path, O_WRONLY))) return nullptr;
   MPI_File file = MPI_FILE_NULL;
-  const int result =
-      MPI_File_open(MPI_COMM_WORLD, path.c_str(), MPI_MODE_CREATE | MPI_MODE_WRONLY, MPI_INFO_NULL, &file);
-  if (result != MPI_SUCCESS) return nullptr;
-  MPI_File_set_size(file, 0);  // removes the content of an earlier run
+  const bool opened = MPI_File_open(MPI_COMM_WORLD, path.c_str(), MPI_MODE_WRONLY, MPI_INFO_NULL, &file) == MPI_SUCCESS;
+  if (!on_all_ranks(opened)) return nullptr;
   if (mark.size() < end_mark.size()) std::ranges::copy(mark, end_mark.begin());
   return std::make_unique<MpiFile>(file, ranks_.rank() == 0, written_);
 }
@@ -261,7 +291,9 @@ MpiTeam::~MpiTeam() {
   MPI_Finalized(&finalized);
   if (finalized != 0) return;
   if (!together_ && ranks_.count() > 1) {
-    if (ranks_.rank() != 0 && shown_ >= 0) {
+    // This process has an error of its own: an exception, perhaps while others wait for it. Rank 0 has printed it.
+    const bool first = claims_end();
+    if ((first || end_mark[0] == '\0') && ranks_.rank() != 0 && shown_ >= 0) {
       const std::string line =
           "ghostspace-mpi: error: rank " + std::to_string(ranks_.rank()) + ": " + hidden_errors() + "\n";
       (void)!::write(shown_, line.data(), line.size());

@@ -66,6 +66,7 @@ class TogetherEncoding {
   std::unique_ptr<PartStore> store_;
   std::unique_ptr<TeamFile> file_;
   qnv::EncodedStream stream_;
+  bool unwritten_ = false;  // a process could not write its bytes
 };
 
 bool TogetherEncoding::agreed(const std::optional<std::string>& own) {
@@ -86,7 +87,7 @@ bool TogetherEncoding::open() {
   std::optional<std::string> problem;
   if (leads()) problem = open_here();
   if (!agreed(problem)) return false;
-  const std::byte own{leads() && encodes_values(options_, opened_->input)};
+  const std::byte own{leads() && shares_work(options_, opened_->input)};
   const std::vector<std::byte> all = ranks_.gather(std::span(&own, 1));
   shared_ = all.front() != std::byte{0};
   problem = shared_ && !leads() ? open_here() : std::nullopt;
@@ -96,9 +97,10 @@ bool TogetherEncoding::open() {
 
 // Returns an error if the slices that a rank holds would exceed --memory.
 std::optional<std::string> TogetherEncoding::exceeds_memory() const {
-  constexpr std::uint64_t kSlices = 64;  // of 4 bytes per voxel
-  const auto& dimensions = std::get<qnv::VolumeSource>(opened_->input.content).layout.dimensions;
-  const std::uint64_t needed = kSlices * 4 * dimensions[0] * dimensions[1];
+  const auto* const volume = std::get_if<qnv::VolumeSource>(&opened_->input.content);
+  if (!volume) return std::nullopt;  // encoders of surfaces keep to the limit
+  const auto& dimensions = volume->layout.dimensions;
+  const std::uint64_t slices = volume->layout.labels ? 4 : 64, needed = slices * 4 * dimensions[0] * dimensions[1];
   if (needed <= options_.limits.memory) return std::nullopt;
   return options_.files.front() + ": slices of " + std::to_string(dimensions[0]) + " x " +
          std::to_string(dimensions[1]) + " voxels need " + std::to_string(needed >> 20) +
@@ -121,7 +123,7 @@ bool TogetherEncoding::prepare() {
     store_ = std::make_unique<PartStore>(std::move(std::get<net::PartFiles>(files)));
   if (!agreed(problem)) return false;
   file_ = team_.create(net::part_stream(folder_));
-  if (!file_) problem = "rank " + std::to_string(ranks_.rank()) + ": cannot create " + net::part_stream(folder_);
+  if (!file_) problem = "cannot create " + net::part_stream(folder_);
   return agreed(problem);
 }
 
@@ -138,8 +140,11 @@ bool TogetherEncoding::encode() {
   }
   if (!problem && leads() && stream_.written == 0 && !file_->write(stream_.bytes)) problem = "cannot write the stream";
   if (!problem) problem = check_size(options_, stream_);
-  const auto unwritten = file_->finish();
-  if (!problem && unwritten) problem = unwritten;
+  // All ranks know if one cannot write. Its encoder has then only a consequence to report.
+  if (auto unwritten = file_->finish()) {
+    problem = std::move(unwritten);
+    unwritten_ = true;
+  }
   file_.reset();
   return agreed(problem);
 }
@@ -154,7 +159,7 @@ int TogetherEncoding::run() {
   progress_.hide();
   if (written && leads()) report_encoding(options_, *opened_, stream_, {options_.json, start_, &statistics});
   team_.end_together();
-  return written ? kDone : encoded ? kNotWritten : kFailed;
+  return written ? kDone : encoded || unwritten_ ? kNotWritten : kFailed;
 }
 
 }  // namespace

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Checks ghostspace-mpi: equal bytes for every number of ranks, ends of ranks at any moment, and --resume.
 
-usage: mpi_check.py [--kills N] [--seed S] [--volume FILE] [PROGRAM]
+usage: mpi_check.py [--kills N] [--seed S] [--volume FILE] [--mesh FILE] [--grid FILE] [PROGRAM]
 
 PROGRAM is ghostspace, or $GHOSTSPACE, or build/release/ghostspace; ghostspace-mpi is beside it. --kills ends a random
-rank at N random moments (usually 2). --volume encodes that file instead of a small one in these runs. Skips all checks,
-with a message, if mpirun or ghostspace-mpi is missing.
+rank at N random moments (usually 2) of encoding a volume, a mesh and a grid each. --volume, --mesh and --grid encode
+these files instead of small ones in these runs. Skips all checks, with a message, if mpirun or ghostspace-mpi is missing.
 """
 
 import argparse
@@ -25,7 +25,8 @@ import time
 options = argparse.ArgumentParser(usage=__doc__)
 options.add_argument("--kills", type=int, default=2)
 options.add_argument("--seed", type=int, default=1)
-options.add_argument("--volume")
+for kind in ("volume", "mesh", "grid"):
+    options.add_argument("--" + kind)
 options.add_argument("program", nargs="?", default=os.environ.get("GHOSTSPACE", "build/release/ghostspace"))
 options = options.parse_args()
 PROGRAM = os.path.abspath(options.program)
@@ -49,8 +50,8 @@ def mpirun(ranks, arguments):
     return ["mpirun", "--quiet", "--oversubscribe", "--bind-to", "none", "-n", str(ranks), TOGETHER] + arguments
 
 
-def run(command):
-    return subprocess.run(command, env=ENVIRONMENT, capture_output=True, text=True, timeout=600)
+def run(command, **more):
+    return subprocess.run(command, env=ENVIRONMENT, capture_output=True, text=True, timeout=600, **more)
 
 
 def sum_of(path):
@@ -74,24 +75,28 @@ def write_volume(path, size, kind, gaps=False):
         file.write(values.tobytes())
 
 
-def write_mesh(path):
+def write_mesh(path, steps=24, rough=0.0):
+    """Writes a ball of 2 * steps * steps triangles. `rough` moves its vertices."""
+    def place(i, k):
+        k %= steps
+        radius = 1 + rough * math.sin(12.9898 * i + 78.233 * k)
+        return (radius * math.sin(math.pi * i / steps) * math.cos(2 * math.pi * k / steps),
+                radius * math.sin(math.pi * i / steps) * math.sin(2 * math.pi * k / steps),
+                radius * math.cos(math.pi * i / steps))
+
+    facet = struct.Struct("<12fH")
     with open(path, "wb") as file:
-        triangles = []
-        steps = 24
-        place = lambda i, k: (math.sin(math.pi * i / steps) * math.cos(2 * math.pi * k / steps),
-                              math.sin(math.pi * i / steps) * math.sin(2 * math.pi * k / steps),
-                              math.cos(math.pi * i / steps))
+        file.write(b" " * 80 + struct.pack("<I", 2 * steps * steps))
+        above = [place(0, k) for k in range(steps + 1)]
         for i in range(steps):
+            below = [place(i + 1, k) for k in range(steps + 1)]
             for k in range(steps):
-                a, b, c, d = place(i, k), place(i + 1, k), place(i + 1, k + 1), place(i, k + 1)
-                triangles += [(a, b, c), (a, c, d)]
-        file.write(b" " * 80 + struct.pack("<I", len(triangles)))
-        for one in triangles:
-            file.write(struct.pack("<12fH", 0, 0, 0, *one[0], *one[1], *one[2], 0))
+                a, b, c, d = above[k], below[k], below[k + 1], above[k + 1]
+                file.write(facet.pack(0, 0, 0, *a, *b, *c, 0) + facet.pack(0, 0, 0, *a, *c, *d, 0))
+            above = below
 
 
-def write_grid(path):
-    n = 6
+def write_grid(path, n=6):
     points = [(x + 0.2 * math.sin(y), y, z + 0.1 * x * x) for z in range(n + 1) for y in range(n + 1) for x in range(n + 1)]
     at = lambda x, y, z: (z * (n + 1) + y) * (n + 1) + x
     cells = [(at(x, y, z), at(x + 1, y, z), at(x + 1, y + 1, z), at(x, y + 1, z), at(x, y, z + 1), at(x + 1, y, z + 1),
@@ -182,22 +187,68 @@ def end_a_rank(folder, source, extra, expected, longest, chance):
     return "the folder of the parts is left" if os.path.exists(out + ".parts") else None
 
 
+def full_disk(folder, source):
+    """Encodes onto file systems that are too small for the parts, and for the stream."""
+    alone, small = folder + "/alone.qnv", folder + "/small"
+    run([PROGRAM, "encode", source, alone, "--lossless"])
+    os.makedirs(small)
+    for size, expected in ((0.5, (1, 3)), (1.7, (3,))):
+        pages = int(os.path.getsize(alone) * size / 4096)
+        if run(["mount", "-t", "tmpfs", "-o", "size=%d" % (4096 * pages), "tmpfs", small]).returncode != 0:
+            print("skipped: a full disk; only root may mount a small one")
+            return
+        try:
+            made = run(mpirun(3, ["encode", source, small + "/out.qnv", "--lossless"]))
+            lines = [line for line in made.stderr.splitlines() if "error" in line]
+            check("a disk of %g times the stream gives one line and no file" % size,
+                  made.returncode in expected and len(lines) == 1 and not os.path.exists(small + "/out.qnv"),
+                  "%d: %s" % (made.returncode, made.stderr))
+        finally:
+            run(["umount", small])
+
+
+def end_ranks(folder, name, source, extra, chance):
+    global interrupted
+    expected_file = folder + "/expected.qnv"
+    begin = time.time()
+    made = run(mpirun(3, ["encode", source, expected_file] + extra))
+    longest = time.time() - begin
+    expected = sum_of(expected_file)
+    check(name + ": encode without an end", made.returncode == 0, made.stderr)
+    interrupted = 0
+    problems = []
+    for i in range(options.kills):
+        problem = end_a_rank(folder, source, extra, expected, longest, chance)
+        if problem:
+            problems.append("end %d: %s" % (i, problem))
+    check("%s: %d ends of a rank (%d before the end of the run) leave no half file, and --resume gives the same bytes" %
+          (name, options.kills, interrupted), not problems, "; ".join(problems))
+
+
 def main():
     if not shutil.which("mpirun") or not os.path.exists(TOGETHER):
         print("skipped: mpirun or %s is missing (scripts/install-dependencies.sh --cluster)" % TOGETHER)
         return
     folder = tempfile.mkdtemp(prefix="ghostspace-mpi-")
     try:
-        volume, floats, mesh, grid = (folder + "/" + name for name in ("v.nrrd", "f.nrrd", "m.stl", "g.vtu"))
+        volume, floats, mesh, grid, large, rough = (
+            folder + "/" + name for name in ("v.nrrd", "f.nrrd", "m.stl", "g.vtu", "large.stl", "rough.stl"))
         write_volume(volume, (40, 36, 140), "short")
         write_volume(floats, (24, 30, 75), "float", gaps=True)
         write_mesh(mesh)
         write_grid(grid)
+        write_mesh(large, 320)
+        write_mesh(rough, 320, 0.05)
+        # These meshes have four runs of triangles, and exceed the memory of a process.
+        little = ["--memory", "64M"]
         equal_bytes(folder, "volume", volume, [], (1, 2, 3, 4))
         equal_bytes(folder, "lossless floats with missing voxels", floats, ["--lossless"], (3,))
         equal_bytes(folder, "limited size", volume, ["--max-bytes", "30000"], (3,))
         equal_bytes(folder, "mesh", mesh, [], (3,))
-        equal_bytes(folder, "unstructured grid", grid, [], (3,))
+        equal_bytes(folder, "mesh that exceeds memory", large, little, (1, 2, 3, 4))
+        equal_bytes(folder, "rough mesh that exceeds memory", rough, little, (3,))
+        equal_bytes(folder, "octree of a mesh that exceeds memory", large, little + ["--method", "octree"], (4,))
+        equal_bytes(folder, "unstructured grid", grid, [], (1, 2, 3, 4))
         out = folder + "/out.qnv"
         missing = run(mpirun(3, ["encode", folder + "/missing.nrrd", out]))
         lines = [line for line in missing.stderr.splitlines() if line.strip()]
@@ -213,21 +264,11 @@ def main():
         wrong = run([PROGRAM, "encode", volume, out, "--resume"])
         check("ghostspace has no --resume", wrong.returncode == 2 and "ghostspace-mpi" in wrong.stderr, wrong.stderr)
 
-        source = options.volume or volume
-        expected_file = folder + "/expected.qnv"
-        begin = time.time()
-        made = run(mpirun(3, ["encode", source, expected_file]))
-        longest = time.time() - begin
-        expected = sum_of(expected_file)
-        check("encode without an end", made.returncode == 0, made.stderr)
+        full_disk(folder, floats)
         chance = random.Random(options.seed)
-        problems = []
-        for i in range(options.kills):
-            problem = end_a_rank(folder, source, [], expected, longest, chance)
-            if problem:
-                problems.append("end %d: %s" % (i, problem))
-        check("%d ends of a rank (%d before the end of the run) leave no half file, and --resume gives the same bytes" %
-              (options.kills, interrupted), not problems, "; ".join(problems))
+        for name, source, extra in (("volume", options.volume or volume, []), ("mesh", options.mesh or large, little),
+                                    ("grid", options.grid or grid, [])):
+            end_ranks(folder, name, source, extra if source in (large, volume, grid) else [], chance)
         if hanging:
             print("note    mpirun itself did not end %d times, although all ranks had ended" % hanging)
     finally:

@@ -93,7 +93,7 @@ TEST_CASE("encode together: leaves the old output after an error, and continues 
   REQUIRE(test::run("encode " + test::quoted(in) + " " + test::quoted(folder.path("alone.qnv"))).status == kDone);
   OneProcess team;
   team.fails = true;
-  CHECK(encode(in, out, team) == kFailed);
+  CHECK(encode(in, out, team) == kNotWritten);
   CHECK(team.ended);
   CHECK_FALSE(std::filesystem::exists(out));
   CHECK(std::filesystem::exists(out + ".parts/1.done"));

@@ -213,8 +213,8 @@ std::uint64_t take_step(LabelRun& run, std::uint64_t codes) {
   return step;
 }
 
-void encode_label_runs(LabelCubes& level_labels, const CubeOrder& order, std::uint32_t count, int level,
-                       const std::function<bool(LabelRun&&)>& take, LabelCubes* before) {
+void encode_label_runs(LabelCubes& level_labels, const CubeOrder& order, std::uint64_t segment, std::uint32_t count,
+                       int level, const std::function<bool(LabelRun&&)>& take, LabelCubes* before) {
   WindowFrame frame(order, level_labels);
   LabelWindow window;
   OpenLabelRun open, saved;
@@ -261,8 +261,9 @@ void encode_label_runs(LabelCubes& level_labels, const CubeOrder& order, std::ui
     any = any || (fits && !kept);
     return fits;
   };
-  begin(0);
-  for (std::uint64_t code = 0; code < order.codes(); ++code) {
+  const std::uint64_t first = segment * kSegmentCodes, end = std::min(order.codes(), first + kSegmentCodes);
+  begin(first);
+  for (std::uint64_t code = first; code < end; ++code) {
     const Extent cube = order.place(code);
     if (!order.has(cube)) continue;
     const bool kept = is_kept(cube);

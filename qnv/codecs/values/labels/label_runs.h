@@ -56,11 +56,15 @@ class LabelCubes {
   [[nodiscard]] virtual CubeLabels cube(const Extent& cube) = 0;
 };
 
-/// Encodes a level. `count` is the number of labels in the palette. `before` is the level in the previous step.
-/// Keeps cubes that equal those of `before`, and omits runs with kept cubes only. Passes the runs to `take`, in order,
-/// until it returns false.
-void encode_label_runs(LabelCubes& level_labels, const CubeOrder& order, std::uint32_t count, int level,
-                       const std::function<bool(LabelRun&&)>& take, LabelCubes* before = nullptr);
+/// Codes of a segment of a level. Encoders end runs at the ends of segments, so that threads and processes can encode
+/// them apart.
+inline constexpr std::uint64_t kSegmentCodes = std::uint64_t{1} << 16;
+
+/// Encodes a segment of a level. `count` is the number of labels in the palette. `before` is the level in the previous
+/// step. Keeps cubes that equal those of `before`, and omits runs with kept cubes only. Passes the runs to `take`, in
+/// order, until it returns false.
+void encode_label_runs(LabelCubes& level_labels, const CubeOrder& order, std::uint64_t segment, std::uint32_t count,
+                       int level, const std::function<bool(LabelRun&&)>& take, LabelCubes* before = nullptr);
 
 /// Decodes a run of a level. Calls decoded(cube, labels) for each cube that is not kept, in order. Needs memory for the
 /// cubes of the run. Returns false if the run is not in the level, or truncated. Safe for untrusted runs.

@@ -21,6 +21,8 @@ namespace gs::qnv::values {
 
 namespace {
 
+constexpr char kNoLabels[] = "numbers that are no labels; expected whole numbers from -2^31 to 2^32 - 1";
+
 template <class Use>
 void with_voxels(VoxelType type, Use&& use) {
   with_nth_type<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t, float, double>(
@@ -43,7 +45,17 @@ class CodeReader {
         codes[i] = code_of_number(std::bit_cast<T>(raw));
       }
     });
-    return whole_ && (least_ >= 0 || most_ < 2147483648.0);
+    return good();
+  }
+  [[nodiscard]] bool good() const { return whole_ && (least_ >= 0 || most_ < 2147483648.0); }
+  /// Takes over the range of the numbers of all ranks. Collective.
+  void join(Ranks& ranks) {
+    const std::array<double, 2> own{least_, most_};
+    const auto all = gather_records(ranks, std::span<const double>(own));
+    for (std::size_t i = 0; i + 1 < all.size(); i += 2) {
+      least_ = std::min(least_, all[i]);
+      most_ = std::max(most_, all[i + 1]);
+    }
   }
   /// Returns the type of the numbers that the codes stand for.
   [[nodiscard]] VoxelType type() const {
@@ -198,32 +210,45 @@ class LevelHalving {
 /// Reader of all steps into a store.
 class PyramidReader {
  public:
-  PyramidReader(std::span<const VolumeSource> steps, SharedStore& store, unsigned threads, Progress* progress)
-      : sources_(steps), store_(store), threads_(threads), progress_(progress), set_(steps.front().layout.type) {}
+  PyramidReader(std::span<const VolumeSource> steps, SharedStore& store, Ranks& ranks, unsigned threads,
+                Progress* progress)
+      : sources_(steps),
+        store_(store),
+        ranks_(ranks),
+        threads_(threads),
+        progress_(progress),
+        set_(steps.front().layout.type) {}
 
   std::variant<LabelPyramid, EncodeError> read() {
     const VolumeLayout& layout = sources_.front().layout;
-    start("reading", std::uint64_t{layout.dimensions[2]} * sources_.size());
+    start("reading", std::uint64_t{layout.dimensions[2]} * sources_.size() / ranks_.count());
     CodeReader reader(layout);
     for (const VolumeSource& source : sources_) {
       if (source.layout.dimensions != layout.dimensions || source.layout.type != layout.type)
         return EncodeError{"the steps of a series of labels have different sizes or types; expected equal ones"};
-      if (auto problem = store_codes(source, reader)) return std::move(*problem);
+      if (auto problem = join_level(made_.steps.emplace_back().emplace_back(layout.dimensions, store_),
+                                    [&](StoredLabels& level) { return store_codes(source, reader, level); }))
+        return std::move(*problem);
     }
+    reader.join(ranks_);
+    if (!reader.good()) return EncodeError{"the label volume has " + std::string(kNoLabels)};
     made_.stored = reader.type();
-    made_.palette = std::make_shared<const LabelPalette>(set_.take(layout.type));
+    std::vector<std::uint32_t> codes = set_.take(layout.type);
+    codes = gather_records(ranks_, std::span<const std::uint32_t>(codes));
+    std::ranges::sort(codes);
+    codes.erase(std::unique(codes.begin(), codes.end()), codes.end());
+    made_.palette = std::make_shared<const LabelPalette>(std::move(codes));
     if (made_.palette->groups() > LabelPalette::kMostGroups ||
         encode_label_palette(*made_.palette).size() > LabelPalette::kMostBytes)
       return EncodeError{"the volume has " + std::to_string(made_.palette->size()) +
                          " different labels far apart; expected at most 100,000 of them"};
-    count();
+    if (auto problem = agree(ranks_, count())) return std::move(*problem);
     start("reducing", static_cast<std::uint64_t>(level_count(layout.dimensions)) * sources_.size());
     for (LabelPyramid::Levels& levels : made_.steps)
       for (int level = level_count(layout.dimensions); level > 0; --level) {
-        if (!reduce(levels)) return EncodeError{"cancelled"};
+        if (auto problem = reduce(levels)) return std::move(*problem);
         if (progress_) ++progress_->done;
       }
-    if (store_.failed()) return EncodeError{"cannot keep the labels: " + store_.problem()};
     return std::move(made_);
   }
 
@@ -249,24 +274,37 @@ class PyramidReader {
     for (const StoredLabels::Packed& piece : packed) (void)level.append(piece);
   }
 
-  std::optional<EncodeError> store_codes(const VolumeSource& source, CodeReader& reader) {
+  // Fills a level with `fill`, which adds the layers of this rank and may return an error. Then joins those of all
+  // ranks.
+  template <class Fill>
+  std::optional<EncodeError> join_level(StoredLabels& level, const Fill& fill) {
+    std::optional<EncodeError> problem = fill(level);
+    store_.publish();
+    if (!problem && store_.failed()) problem = cannot_keep();
+    if ((problem = agree(ranks_, problem))) return problem;
+    level.join(ranks_);
+    return std::nullopt;
+  }
+  [[nodiscard]] EncodeError cannot_keep() const { return {"cannot keep the labels: " + store_.problem()}; }
+
+  std::optional<EncodeError> store_codes(const VolumeSource& source, CodeReader& reader, StoredLabels& level) {
     const VolumeLayout& layout = source.layout;
     const std::size_t slice = slice_voxels(layout);
     std::vector<std::byte> stored(slice * size_of(layout.type));
     std::vector<std::uint32_t> codes(slice * StoredLabels::kDepth);
-    StoredLabels& level = made_.steps.emplace_back().emplace_back(layout.dimensions, store_);
-    for (std::uint32_t z = 0; z < layout.dimensions[2]; ++z) {
+    const RankShare layers = share_of(ranks_, level.pieces()[2]);
+    const auto end =
+        static_cast<std::uint32_t>(std::min<std::uint64_t>(layers.end * StoredLabels::kDepth, layout.dimensions[2]));
+    for (auto z = static_cast<std::uint32_t>(layers.first * StoredLabels::kDepth); z < end; ++z) {
       if (is_cancelled(progress_)) return EncodeError{"cancelled"};
       if (!source.read(z, stored)) return EncodeError{"slice " + std::to_string(z) + " of the volume cannot be read"};
       const std::uint32_t in_layer = z % StoredLabels::kDepth;
       const auto here = std::span(codes).subspan(in_layer * slice, slice);
       if (!reader.read(stored, here))
-        return EncodeError{
-            "slice " + std::to_string(z) +
-            " of the label volume has numbers that are no labels; expected whole numbers from -2^31 to 2^32 - 1"};
+        return EncodeError{"slice " + std::to_string(z) + " of the label volume has " + kNoLabels};
       set_.add(here);
       if (progress_) ++progress_->done;
-      if (in_layer + 1 < StoredLabels::kDepth && z + 1 < layout.dimensions[2]) continue;
+      if (in_layer + 1 < StoredLabels::kDepth && z + 1 < end) continue;
       store_layer(level, [&](std::uint32_t x, std::uint32_t y) {
         thread_local std::vector<std::uint32_t> part;
         part.clear();
@@ -280,39 +318,49 @@ class PyramidReader {
           }
         return StoredLabels::pack(part);
       });
-      if (store_.failed()) return EncodeError{"cannot keep the labels: " + store_.problem()};
+      if (store_.failed()) return cannot_keep();
     }
     return std::nullopt;
   }
 
-  // Counts the voxels of each label.
-  void count() {
+  // Counts the voxels of each label. Each rank counts its layers.
+  std::optional<EncodeError> count() {
     made_.counts.assign(made_.palette->size(), 0);
     for (LabelPyramid::Levels& levels : made_.steps) {
       StoredLabels& level = levels.front();
       level.set_palette(made_.palette);
       const Extent pieces = level.pieces();
-      for (std::uint32_t z = 0; z < pieces[2]; ++z)
+      const RankShare layers = share_of(ranks_, pieces[2]);
+      for (auto z = static_cast<std::uint32_t>(layers.first); z < layers.end; ++z)
         for (std::uint32_t y = 0; y < pieces[1]; ++y)
           for (std::uint32_t x = 0; x < pieces[0]; ++x)
             level.each_run({x, y, z}, [&](std::uint32_t label, std::size_t voxels) { made_.counts[label] += voxels; });
     }
+    const auto all = gather_records(ranks_, std::span<const std::uint64_t>(made_.counts));
+    std::ranges::fill(made_.counts, std::uint64_t{0});
+    for (std::size_t i = 0; i < all.size(); ++i) made_.counts[i % made_.counts.size()] += all[i];
+    return store_.failed() ? std::optional(cannot_keep()) : std::nullopt;
   }
 
-  // Adds the next coarser level. Returns false if cancelled.
-  bool reduce(LabelPyramid::Levels& levels) {
+  // Adds the next coarser level. Each rank makes some of its layers.
+  std::optional<EncodeError> reduce(LabelPyramid::Levels& levels) {
     const LevelHalving halving(levels.back(), made_.counts);
     StoredLabels coarse(low_extent(levels.back().extent(), 1), store_);
-    for (std::uint32_t z = 0; z < coarse.pieces()[2]; ++z) {
-      if (is_cancelled(progress_)) return false;
-      store_layer(coarse, [&](std::uint32_t x, std::uint32_t y) { return halving.piece({x, y, z}); });
-    }
-    levels.push_back(std::move(coarse));
-    return true;
+    auto problem = join_level(coarse, [&](StoredLabels& level) -> std::optional<EncodeError> {
+      const RankShare layers = share_of(ranks_, level.pieces()[2]);
+      for (auto z = static_cast<std::uint32_t>(layers.first); z < layers.end; ++z) {
+        if (is_cancelled(progress_)) return EncodeError{"cancelled"};
+        store_layer(level, [&](std::uint32_t x, std::uint32_t y) { return halving.piece({x, y, z}); });
+      }
+      return std::nullopt;
+    });
+    if (!problem) levels.push_back(std::move(coarse));
+    return problem;
   }
 
   std::span<const VolumeSource> sources_;
   SharedStore& store_;
+  Ranks& ranks_;
   unsigned threads_;
   Progress* progress_;
   CodeSet set_;
@@ -322,7 +370,7 @@ class PyramidReader {
 }  // namespace
 
 std::variant<LabelPyramid, EncodeError> read_labels(std::span<const VolumeSource> steps, SharedStore& store,
-                                                    unsigned threads, Progress* progress) {
+                                                    Ranks& ranks, unsigned threads, Progress* progress) {
   const VolumeLayout& layout = steps.front().layout;
   if (const auto problem = check(layout)) return EncodeError{problem->message};
   const std::uint64_t voxels = voxel_count(layout);
@@ -331,7 +379,7 @@ std::variant<LabelPyramid, EncodeError> read_labels(std::span<const VolumeSource
     return EncodeError{"the label volume has " + std::to_string(voxels) + " voxels, " + std::to_string(longest) +
                        " along an axis; expected at most " + std::to_string(kMostSamples) + " and " +
                        std::to_string(kMaxLabelEdge)};
-  return PyramidReader(steps, store, threads, progress).read();
+  return PyramidReader(steps, store, ranks, threads, progress).read();
 }
 
 }  // namespace gs::qnv::values

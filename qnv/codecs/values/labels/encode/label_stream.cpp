@@ -27,30 +27,48 @@ namespace {
 using values::Extent;
 using Runs = std::vector<values::StoredLabelRun>;
 
-/// Encodes the runs of all levels of all steps.
+/// Encodes the runs of all levels of all steps. Ranks encode some segments each.
 class PyramidEncoder {
  public:
-  PyramidEncoder(const values::LabelPyramid& pyramid, values::SharedStore& store, unsigned threads, Progress* progress)
-      : pyramid_(pyramid), store_(store), threads_(threads), progress_(progress) {
+  PyramidEncoder(const values::LabelPyramid& pyramid, values::SharedStore& store, Ranks& ranks, unsigned threads,
+                 Progress* progress)
+      : pyramid_(pyramid), store_(store), ranks_(ranks), threads_(threads), progress_(progress) {
     for (const values::StoredLabels& level : pyramid.steps.front()) orders_.emplace_back(level.extent());
     sums_.assign(orders_.size(), 0);
   }
 
-  /// Returns the runs in the order of the stream, or nothing if cancelled.
-  Runs encode() {
+  /// Returns the runs in the order of the stream, or an error of a rank. Collective.
+  std::variant<Runs, EncodeError> encode() {
     const std::size_t levels = orders_.size(), steps = pyramid_.steps.size();
+    std::vector<Segment> segments;
+    for (std::size_t step = 0; step < steps; ++step)
+      for (std::size_t level = 0; level < levels; ++level)
+        for (std::uint64_t first = 0; first < orders_[level].codes(); first += values::kSegmentCodes)
+          segments.push_back({step, level, first / values::kSegmentCodes});
+    const RankShare share = share_of(ranks_, segments.size());
     if (progress_) {
-      std::uint64_t codes = 0;
-      for (const values::CubeOrder& order : orders_) codes += order.codes();
       progress_->stage = "encoding";
       progress_->done = 0;
-      progress_->total = codes * steps;
+      progress_->total = share.size();
     }
+    std::vector<Runs> made(static_cast<std::size_t>(share.size()));
+    (void)parallel_for(
+        made.size(),
+        [&](std::size_t i) {
+          made[i] = runs_of(segments[static_cast<std::size_t>(share.first) + i]);
+          if (progress_) ++progress_->done;
+        },
+        threads_, progress_);
+    Runs own;
+    for (const Runs& some : made) own.insert(own.end(), some.begin(), some.end());
+    store_.publish();
+    if (auto problem = agree(ranks_, failure())) return std::move(*problem);
     std::vector<std::vector<Runs>> all(steps, std::vector<Runs>(levels));
-    const auto encode_one = [&](std::size_t i) { encode_level(i % steps, i / steps, all[i % steps][i / steps]); };
-    if (!parallel_for(levels * steps, encode_one, threads_, progress_)) return {};
+    for (const values::StoredLabelRun& run : gather_records(ranks_, std::span<const values::StoredLabelRun>(own)))
+      all[run.step][run.level].push_back(run);
     for (std::size_t step = 0; step < steps; ++step)
-      if (!values::count_corrected(pyramid_.steps[step], orders_, all[step], sums_, threads_, progress_)) return {};
+      (void)values::count_corrected(pyramid_.steps[step], orders_, all[step], sums_, ranks_, threads_, progress_);
+    if (auto problem = agree(ranks_, failure())) return std::move(*problem);
     // Order the runs by level (coarse first), then by step, then by corrected voxels per byte.
     Runs runs;
     for (std::size_t level = levels; level-- > 0;)
@@ -66,23 +84,33 @@ class PyramidEncoder {
   [[nodiscard]] std::span<const std::int64_t> sums() const { return sums_; }
 
  private:
-  // Encodes a level of a step. Cubes are kept from the step before if that takes fewer bytes.
-  void encode_level(std::size_t step, std::size_t level, Runs& runs) {
-    runs = runs_of(step, level, nullptr);
-    if (step % kChainSteps != 0) {
-      values::LabelTiles before(pyramid_.steps[step - 1][level]);
-      Runs kept = runs_of(step, level, &before);
-      const auto size = [](const Runs& of) {
-        std::uint64_t bytes = 0;
-        for (const values::StoredLabelRun& run : of) bytes += run.bytes + kChunkHeaderBytes;
-        return bytes;
-      };
-      if (size(kept) < size(runs)) runs = std::move(kept);
-    }
-    if (progress_) progress_->done += orders_[level].codes();
+  struct Segment {
+    std::size_t step, level;
+    std::uint64_t number;  // in its level
+  };
+
+  [[nodiscard]] std::optional<EncodeError> failure() const {
+    if (is_cancelled(progress_)) return EncodeError{"cancelled"};
+    if (store_.failed()) return EncodeError{"cannot keep the labels: " + store_.problem()};
+    return std::nullopt;
   }
 
-  Runs runs_of(std::size_t step, std::size_t level, values::LabelCubes* before) {
+  // Encodes a segment. Cubes are kept from the step before if that takes fewer bytes.
+  Runs runs_of(const Segment& segment) {
+    Runs runs = runs_of(segment, nullptr);
+    if (segment.step % kChainSteps == 0) return runs;
+    values::LabelTiles before(pyramid_.steps[segment.step - 1][segment.level]);
+    Runs kept = runs_of(segment, &before);
+    const auto size = [](const Runs& of) {
+      std::uint64_t bytes = 0;
+      for (const values::StoredLabelRun& run : of) bytes += run.bytes + kChunkHeaderBytes;
+      return bytes;
+    };
+    return size(kept) < size(runs) ? kept : runs;
+  }
+
+  Runs runs_of(const Segment& segment, values::LabelCubes* before) {
+    const auto [step, level, number] = segment;
     const values::StoredLabels& labels = pyramid_.steps[step][level];
     const values::CubeOrder& order = orders_[level];
     const Extent volume = pyramid_.steps.front().front().extent();
@@ -116,12 +144,13 @@ class PyramidEncoder {
       runs.push_back(stored);
       return offset && !is_cancelled(progress_);
     };
-    values::encode_label_runs(tiles, order, pyramid_.palette->size(), static_cast<int>(level), take, before);
+    values::encode_label_runs(tiles, order, number, pyramid_.palette->size(), static_cast<int>(level), take, before);
     return runs;
   }
 
   const values::LabelPyramid& pyramid_;
   values::SharedStore& store_;
+  Ranks& ranks_;
   unsigned threads_;
   Progress* progress_;
   std::vector<values::CubeOrder> orders_;  // by level
@@ -254,13 +283,15 @@ std::variant<EncodedStream, EncodeError> encode_labels(const VolumeSource& sourc
                        std::to_string(kMaxSteps)};
   MemoryStore memory;
   values::SharedStore store(options.spill ? *options.spill : memory);
-  auto read = values::read_labels(steps, store, options.threads, progress);
+  Ranks alone;
+  Ranks& ranks = options.ranks ? *options.ranks : alone;
+  auto read = values::read_labels(steps, store, ranks, options.threads, progress);
   if (auto* problem = std::get_if<EncodeError>(&read)) return std::move(*problem);
   const auto& pyramid = std::get<values::LabelPyramid>(read);
-  PyramidEncoder encoder(pyramid, store, options.threads, progress);
-  const Runs runs = encoder.encode();
-  if (is_cancelled(progress)) return EncodeError{"cancelled"};
-  if (store.failed()) return EncodeError{"cannot keep the labels: " + store.problem()};
+  PyramidEncoder encoder(pyramid, store, ranks, options.threads, progress);
+  auto encoded = encoder.encode();
+  if (auto* problem = std::get_if<EncodeError>(&encoded)) return std::move(*problem);
+  const Runs& runs = std::get<Runs>(encoded);
   const VolumeLayout& layout = steps.front().layout;
   StreamHeader header;
   header.kind = Kind::volume;

@@ -163,20 +163,45 @@ class UseCounter {
   std::vector<std::int64_t> sums_, level_sums_;
 };
 
+/// Voxels that a run or a level corrects, as counted by a rank.
+struct CountedUse {
+  std::uint64_t index = 0;  // of the run in its level, or of the sum of the level
+  std::int64_t voxels = 0;
+  std::uint32_t level = 0, of_level = 0;
+};
+
+// Adds the counts of other ranks to those of this rank.
+void join_counts(Ranks& ranks, std::span<std::vector<StoredLabelRun>> runs, std::span<const std::int64_t> counted,
+                 std::span<std::int64_t> sums) {
+  std::vector<CountedUse> own;
+  for (std::uint32_t level = 0; level < runs.size(); ++level) {
+    own.push_back({0, counted[level], level, 1});
+    for (std::size_t i = 0; i < runs[level].size(); ++i)
+      if (runs[level][i].corrected != 0) own.push_back({i, std::exchange(runs[level][i].corrected, 0), level, 0});
+  }
+  for (const CountedUse& use : gather_records(ranks, std::span<const CountedUse>(own)))
+    (use.of_level != 0 ? sums[use.level] : runs[use.level][static_cast<std::size_t>(use.index)].corrected) +=
+        use.voxels;
+}
+
 }  // namespace
 
 bool count_corrected(const LabelPyramid::Levels& levels, std::span<const CubeOrder> orders,
-                     std::span<std::vector<StoredLabelRun>> runs, std::span<std::int64_t> sums, unsigned threads,
-                     Progress* progress) {
+                     std::span<std::vector<StoredLabelRun>> runs, std::span<std::int64_t> sums, Ranks& ranks,
+                     unsigned threads, Progress* progress) {
   constexpr std::uint64_t kParts = 64;
   const CubeOrder& order = orders.front();
   const int bits = order.bits_below(kTileBits - kCubeBits);
-  const std::uint64_t tiles = order.codes() >> bits, each = (tiles - 1) / kParts + 1;
-  return parallel_for(
-      static_cast<std::size_t>((tiles - 1) / each + 1),
+  const std::uint64_t tiles = order.codes() >> bits;
+  const RankShare share = share_of(ranks, tiles);
+  const std::uint64_t parts = std::min(kParts, share.size());
+  std::vector<std::int64_t> counted(sums.size(), 0);
+  const bool whole = parallel_for(
+      static_cast<std::size_t>(parts),
       [&](std::size_t part) {
-        UseCounter counter(levels, orders, runs, sums);
-        for (std::uint64_t code = part * each; code < std::min(tiles, (part + 1) * each); ++code) {
+        UseCounter counter(levels, orders, runs, counted);
+        const std::uint64_t end = share.first + share.size() * (part + 1) / parts;
+        for (std::uint64_t code = share.first + share.size() * part / parts; code < end; ++code) {
           const Extent cube = order.place(code << bits);
           if (!order.has(cube)) continue;
           constexpr int kCubes = kTileBits - kCubeBits;
@@ -184,6 +209,8 @@ bool count_corrected(const LabelPyramid::Levels& levels, std::span<const CubeOrd
         }
       },
       threads, progress);
+  join_counts(ranks, runs, counted, sums);
+  return whole;
 }
 
 }  // namespace gs::qnv::values

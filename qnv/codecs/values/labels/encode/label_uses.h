@@ -23,9 +23,9 @@ struct StoredLabelRun {
 
 /// Counts the voxels that each run corrects, less those that are right with the coarser level only. `runs`
 /// has the runs of each level, in the order of their codes. Adds the counts of whole levels to `sums`, including cubes
-/// without a run. Returns false if cancelled.
+/// without a run. Ranks count parts of the volume. Returns false if this rank was cancelled. Collective.
 bool count_corrected(const LabelPyramid::Levels& levels, std::span<const CubeOrder> orders,
-                     std::span<std::vector<StoredLabelRun>> runs, std::span<std::int64_t> sums, unsigned threads,
-                     Progress* progress);
+                     std::span<std::vector<StoredLabelRun>> runs, std::span<std::int64_t> sums, Ranks& ranks,
+                     unsigned threads, Progress* progress);
 
 }  // namespace gs::qnv::values

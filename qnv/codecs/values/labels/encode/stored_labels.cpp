@@ -23,6 +23,11 @@ bool SharedStore::read(std::uint64_t offset, std::span<std::byte> to) const {
   return false;
 }
 
+void SharedStore::publish() {
+  const std::lock_guard lock(mutex_);
+  if (!store_.publish()) failed_ = true;
+}
+
 std::string SharedStore::problem() const {
   const std::lock_guard lock(mutex_);
   return store_.problem();

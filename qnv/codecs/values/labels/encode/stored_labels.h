@@ -1,5 +1,6 @@
 #pragma once
 
+#include "qnv/codecs/shared/ranks.h"
 #include "qnv/codecs/shared/spill_store.h"
 #include "qnv/codecs/values/labels/label_runs.h"
 #include "qnv/container/label_palette.h"
@@ -29,6 +30,8 @@ class SharedStore {
   [[nodiscard]] std::optional<std::uint64_t> append(std::span<const std::byte> bytes);
   [[nodiscard]] bool read(std::uint64_t offset, std::span<std::byte> to) const;
   [[nodiscard]] std::string problem() const;
+  /// Makes the added bytes readable for other processes.
+  void publish();
   /// Reports whether one of the calls failed.
   [[nodiscard]] bool failed() const { return failed_; }
 
@@ -65,6 +68,8 @@ class StoredLabels {
   [[nodiscard]] static Packed pack(std::span<const std::uint32_t> labels);
   /// Adds the next piece, x first. Returns false if it cannot be stored.
   [[nodiscard]] bool append(const Packed& piece);
+  /// Joins the pieces that the ranks added, in the order of the ranks. They have a common store. Collective.
+  void join(Ranks& ranks) { places_ = gather_records(ranks, std::span<const Place>(places_)); }
 
   /// Returns the label of a piece with equal labels; nullopt for other pieces.
   [[nodiscard]] std::optional<std::uint32_t> uniform(const Extent& piece) const;
