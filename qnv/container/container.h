@@ -62,6 +62,10 @@ enum class ChunkType : std::uint8_t {
 [[nodiscard]] constexpr bool is_listing(ChunkType type) {
   return type == ChunkType::directory || type == ChunkType::places;
 }
+/// Reports whether chunks of a type have harmonics of Gaussians.
+[[nodiscard]] constexpr bool is_harmonics(ChunkType type) {
+  return type == ChunkType::harmonics || type == ChunkType::coarse_harmonics;
+}
 /// Reports whether this version has a chunk type. Readers skip other chunks.
 [[nodiscard]] constexpr bool is_known(std::uint8_t type) {
   constexpr std::uint8_t kReserved = 5;

@@ -20,8 +20,8 @@ struct HarmonicModels {
   std::array<std::array<TypicalSize, 3>, 15> sizes;           // by coefficient and component
 };
 
-/// Codes the coefficients of a Gaussian, as luma and two differences each. With a Reader, `codes` is the result. Returns
-/// false if all are 0.
+/// Codes the coefficients of a Gaussian, as luma and two differences each. With a Reader, `codes` is the result.
+/// Returns false if all are 0.
 template <class Coder>
 bool code_harmonics(Coder& coder, HarmonicModels& models, int degree,
                     std::array<std::array<int, 3>, harmonic_count(Gaussians::kMaxDegree)>& codes) {

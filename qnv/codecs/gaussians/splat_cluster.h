@@ -37,8 +37,8 @@ struct PackedCluster {
 /// Parses a payload. Returns nullopt if its head is invalid. Safe for untrusted bytes.
 [[nodiscard]] std::optional<PackedCluster> parse_cluster(std::span<const std::byte> payload);
 
-/// Harmonics of leaves `first` to `first + count` - 1 of a cluster, as the payload of a chunk. Coarse harmonics are those
-/// of the Gaussians that are neither leaves nor unchanged.
+/// Harmonics of leaves `first` to `first + count` - 1 of a cluster, as the payload of a chunk. Coarse harmonics are
+/// those of the Gaussians that are neither leaves nor unchanged.
 struct HarmonicsHead {
   std::uint32_t cluster = 0, first = 0, count = 0;
 };
@@ -57,7 +57,8 @@ struct NodeOrigin {
 
 /// Decodes the children of `parents`, of which leaves have none. The parent of the first cluster is root_node(), which
 /// is always replaced (`may_stay` is false). `models` are those at the end of their cluster, and
-/// become those at the end of this one. `origins` gets one entry per Gaussian. Returns nullopt if the bytes end early, or if there are too many Gaussians.
+/// become those at the end of this one. `origins` gets one entry per Gaussian. Returns nullopt if the bytes end early,
+/// or if there are too many Gaussians.
 [[nodiscard]] std::optional<std::vector<SplatNode>> decode_nodes(std::span<const std::byte> bytes,
                                                                  std::span<const SplatNode> parents, bool may_stay,
                                                                  SplatModels& models, const Precision& precision,

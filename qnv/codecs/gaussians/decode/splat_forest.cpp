@@ -66,7 +66,7 @@ void SplatForest::add_cluster(std::span<const std::byte> payload) {
       auto nodes = parents.empty() || (parent && !parent->models)
                        ? std::nullopt
                        : decode_nodes(packed->bytes, parents, parent != nullptr, *models, precision_,
-                                       degree_ > 0 ? &origins : nullptr);
+                                      degree_ > 0 ? &origins : nullptr);
       const std::size_t size = nodes ? nodes->size() : 0;
       // Replaced Gaussians stay in memory, because other clusters may replace the rest of their cluster.
       const bool full = nodes && (shown_ + size > most_ || (nodes_ + size) / 2 > most_);
@@ -90,7 +90,8 @@ void SplatForest::add_cluster(std::span<const std::byte> payload) {
         held.inner = static_cast<std::size_t>(std::ranges::count(*nodes, false, &SplatNode::leaf));
         held.level = packed->head.level;
         held.parent = packed->head.parent;
-        for (NodeOrigin& origin : origins) origin.parent = static_cast<std::uint16_t>(origin.parent + packed->head.first);
+        for (NodeOrigin& origin : origins)
+          origin.parent = static_cast<std::uint16_t>(origin.parent + packed->head.first);
         held.origins = std::move(origins);
         held.nodes = std::move(*nodes);
         held.replaced.resize(size);
@@ -118,7 +119,8 @@ void SplatForest::add_harmonics(std::span<const std::byte> payload, bool coarse)
     return;
   }
   const auto found = clusters_.find(packed->head.cluster);
-  if (found == clusters_.end()) return wait(coarse ? waiting_coarse_ : waiting_harmonics_, packed->head.cluster, payload);
+  if (found == clusters_.end())
+    return wait(coarse ? waiting_coarse_ : waiting_harmonics_, packed->head.cluster, payload);
   HeldCluster& held = found->second;
   std::vector<std::size_t> nodes;
   for (std::size_t i = 0; i < held.nodes.size(); ++i)

@@ -34,7 +34,7 @@ std::string SharedStore::problem() const {
   return store_.problem();
 }
 
-bool ChunkRecords::add(const EncodedCluster& cluster, std::span<const HarmonicsChunk> harmonics, const Box& box) {
+bool ChunkRecords::add(const EncodedCluster& cluster, std::span<const EncodedHarmonics> harmonics, const Box& box) {
   const bool root = cluster.head.parent == ClusterHead::kNoParent;
   ChunkRecord record;
   record.level = cluster.head.level;
@@ -56,7 +56,7 @@ bool ChunkRecords::add(const EncodedCluster& cluster, std::span<const HarmonicsC
   if (!store(cluster.bytes)) return false;
   record.vectors = record.replaced = 0;
   record.parent = cluster.head.id;
-  for (const HarmonicsChunk& chunk : harmonics) {
+  for (const EncodedHarmonics& chunk : harmonics) {
     record.type = chunk.type;
     record.first = chunk.first;
     record.count = chunk.count;
@@ -70,7 +70,8 @@ void ChunkRecords::append_to(std::vector<ChunkRecord>& all, std::vector<std::uin
   const auto first = static_cast<std::uint32_t>(all.size());
   for (ChunkRecord record : records_) {
     if (record.parent != ClusterHead::kNoParent)
-      record.parent = record.parent < first_id_ ? clusters[record.parent] : first + clusters_[record.parent - first_id_];
+      record.parent =
+          record.parent < first_id_ ? clusters[record.parent] : first + clusters_[record.parent - first_id_];
     all.push_back(record);
   }
   if (first_id_ == 0) clusters = clusters_;

@@ -51,7 +51,7 @@ class ChunkRecords {
   ChunkRecords(SharedStore& store, std::uint32_t first_id) : store_(store), first_id_(first_id) {}
 
   /// Adds a cluster and its harmonics. Returns false if the store is full.
-  [[nodiscard]] bool add(const EncodedCluster& cluster, std::span<const HarmonicsChunk> harmonics, const Box& box);
+  [[nodiscard]] bool add(const EncodedCluster& cluster, std::span<const EncodedHarmonics> harmonics, const Box& box);
   /// Returns the identifier after that of the last cluster.
   [[nodiscard]] std::uint32_t end_id() const { return first_id_ + static_cast<std::uint32_t>(clusters_.size()); }
   /// Appends the records to others. `clusters` are the places of the records of the clusters before `first_id`; the
@@ -68,8 +68,8 @@ class ChunkRecords {
 /// Chunks of a stream in their order: the most useful first, but clusters before those that need them.
 class OrderedChunks final : public ChunkList {
  public:
-  /// Parents of `records` are places in `records`. Further clusters end when `most_vectors` Gaussians are shown; 0 means
-  /// never.
+  /// Parents of `records` are places in `records`. Further clusters end when `most_vectors` Gaussians are shown; 0
+  /// means never.
   OrderedChunks(std::vector<ChunkRecord> records, std::size_t most_vectors, const SharedStore& store);
 
   [[nodiscard]] std::size_t size() const override { return order_.size(); }

@@ -8,8 +8,8 @@
 namespace gs::qnv {
 
 /// Encodes Gaussian splats as a stream: FORMAT.md, "Gaussians payload". Uses these options: vectors, max_bytes,
-/// metadata, parity, splat_steps, part_splats, memory, spill, sink, threads. All numbers must be finite. Coefficients of
-/// harmonics that are not finite become 0. Runs on any thread; blocks.
+/// metadata, parity, splat_steps, part_splats, memory, spill, sink, threads. All numbers must be finite. Coefficients
+/// of harmonics that are not finite become 0. Runs on any thread; blocks.
 std::variant<EncodedStream, EncodeError> encode_gaussians(const Gaussians& source, const EncodeOptions& options,
                                                           Progress* progress = nullptr);
 /// Encodes Gaussians that may exceed memory. More than EncodeOptions::part_splats are divided into parts in space. Each

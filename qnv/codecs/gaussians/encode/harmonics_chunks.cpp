@@ -54,9 +54,9 @@ MeanHarmonics::MeanHarmonics(const MergeTree& tree, const Gaussians& source, std
   }
 }
 
-std::vector<HarmonicsChunk> encode_harmonics(const EncodedCluster& cluster, const MergeTree& tree,
-                                             const MeanHarmonics& means, int degree, const Precision& precision) {
-  std::vector<HarmonicsChunk> chunks;
+std::vector<EncodedHarmonics> encode_harmonics(const EncodedCluster& cluster, const MergeTree& tree,
+                                               const MeanHarmonics& means, int degree, const Precision& precision) {
+  std::vector<EncodedHarmonics> chunks;
   for (const bool leaves : {true, false}) {
     std::vector<std::size_t> all;
     for (std::size_t i = 0; i < cluster.nodes.size(); ++i)
@@ -65,7 +65,7 @@ std::vector<HarmonicsChunk> encode_harmonics(const EncodedCluster& cluster, cons
       BinaryEncoder encoder;
       Writer writer{encoder};
       HarmonicModels models;
-      HarmonicsChunk chunk;
+      EncodedHarmonics chunk;
       chunk.type = leaves ? ChunkType::harmonics : ChunkType::coarse_harmonics;
       bool any = leaves;
       std::size_t last = first;

@@ -31,7 +31,7 @@ class MeanHarmonics {
 };
 
 /// Encoded harmonics of Gaussians of one cluster.
-struct HarmonicsChunk {
+struct EncodedHarmonics {
   ChunkType type = ChunkType::harmonics;
   std::uint32_t first = 0, count = 0;  // as in HarmonicsHead
   std::vector<std::byte> bytes;        // without the head
@@ -39,8 +39,8 @@ struct HarmonicsChunk {
 };
 
 /// Encodes the harmonics of the leaves and of the merged Gaussians of a cluster.
-[[nodiscard]] std::vector<HarmonicsChunk> encode_harmonics(const EncodedCluster& cluster, const MergeTree& tree,
-                                                           const MeanHarmonics& means, int degree,
-                                                           const Precision& precision);
+[[nodiscard]] std::vector<EncodedHarmonics> encode_harmonics(const EncodedCluster& cluster, const MergeTree& tree,
+                                                             const MeanHarmonics& means, int degree,
+                                                             const Precision& precision);
 
 }  // namespace gs::qnv::gaussians

@@ -37,7 +37,8 @@ struct MergedNode {
   Blob blob;
   float error = 0;  // squared error of pictures that show this node instead of its leaves; 0 for leaves
   std::uint32_t leaves = 1;
-  // Of a leaf, `left` is kNone and `right` the index of the Gaussian. If `left` is kOutside, the tree omits the children.
+  // Of a leaf, `left` is kNone and `right` the index of the Gaussian. If `left` is kOutside, the tree omits the
+  // children.
   std::uint32_t left = kNone, right = kNone;
 
   [[nodiscard]] bool leaf() const { return left == kNone; }

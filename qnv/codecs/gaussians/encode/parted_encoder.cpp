@@ -139,11 +139,12 @@ class PartedEncoder {
     const unsigned cores = options_.threads ? options_.threads : std::max(1u, std::thread::hardware_concurrency());
     const auto threads = static_cast<unsigned>(std::min<std::size_t>(cores, fit));
     std::atomic<bool> good{true};
-    const bool done = parallel_for(parts_.size(),
-                                   [&](std::size_t i) {
-                                     if (good && !work(i)) good = false;
-                                   },
-                                   threads, progress_);
+    const bool done = parallel_for(
+        parts_.size(),
+        [&](std::size_t i) {
+          if (good && !work(i)) good = false;
+        },
+        threads, progress_);
     return done && good;
   }
 

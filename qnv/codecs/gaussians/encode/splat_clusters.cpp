@@ -78,8 +78,7 @@ class ClusterEncoder {
 
   /// Reports whether all Gaussians of a cluster are leaves or given nodes.
   [[nodiscard]] bool given(const OpenCluster& open) const {
-    return std::ranges::all_of(open.places,
-                               [&](std::uint32_t i) { return tree_[i].leaf() || i < tree_.given(); });
+    return std::ranges::all_of(open.places, [&](std::uint32_t i) { return tree_[i].leaf() || i < tree_.given(); });
   }
 
  private:
@@ -131,9 +130,7 @@ class ClusterEncoder {
       most = kMostChildren;
     }
     std::vector<std::uint32_t> parts{place};
-    const auto error = [&](std::uint32_t i) {
-      return tree_[i].leaf() || tree_[i].outside() ? -2.0f : tree_[i].error;
-    };
+    const auto error = [&](std::uint32_t i) { return tree_[i].leaf() || tree_[i].outside() ? -2.0f : tree_[i].error; };
     while (parts.size() < most) {
       const auto worst = std::ranges::max_element(parts, {}, error);
       if (!(error(*worst) > least)) break;

@@ -47,7 +47,8 @@ std::uint32_t SpaceCells::divide(std::span<glm::vec3> positions, std::size_t mos
 
 std::size_t SpaceCells::cell_of(const glm::vec3& position) const {
   std::uint32_t at = 0;
-  while (planes_[at].axis >= 0) at = position[planes_[at].axis] < planes_[at].at ? planes_[at].below : planes_[at].above;
+  while (planes_[at].axis >= 0)
+    at = position[planes_[at].axis] < planes_[at].at ? planes_[at].below : planes_[at].above;
   return planes_[at].below;
 }
 

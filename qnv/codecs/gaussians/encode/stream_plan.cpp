@@ -91,7 +91,7 @@ bool encode_chunks(ClusterWork& work, std::vector<OpenRange> ranges, const MeanH
   std::size_t shown = 0, bytes = 0;
   bool good = true;
   const auto take = [&](EncodedCluster&& cluster) {
-    std::vector<HarmonicsChunk> chunks;
+    std::vector<EncodedHarmonics> chunks;
     if (work.source.degree > 0)
       chunks = encode_harmonics(cluster, work.tree, harmonics, work.source.degree, work.precision);
     good = records.add(cluster, chunks, bounds_of(cluster.nodes, work.precision.box));

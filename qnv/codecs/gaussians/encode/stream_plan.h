@@ -26,8 +26,8 @@ struct StreamPlan {
 /// Returns an error if splats cannot be encoded. `first` is the number of the first one.
 [[nodiscard]] std::optional<EncodeError> problem_of(const Gaussians& splats, std::size_t first = 0);
 
-/// Encodes the clusters of a tree and their harmonics (encode_clusters). Returns false if it is cancelled or the store is
-/// full.
+/// Encodes the clusters of a tree and their harmonics (encode_clusters). Returns false if it is cancelled or the store
+/// is full.
 bool encode_chunks(ClusterWork& work, std::vector<OpenRange> ranges, const MeanHarmonics& harmonics,
                    const EncodeOptions& options, ChunkRecords& records, std::vector<OpenCluster>* given,
                    Progress* progress);
