@@ -3,7 +3,7 @@
 #include "app/base/local_file.h"
 #include "app/loading/fetch/loading.h"
 #include "net/base/schemes.h"
-#include "net/load/transport.h"
+#include "net/transfer/transport.h"
 
 #include <algorithm>
 #include <utility>

@@ -3,7 +3,7 @@
 #include "app/formats/volume/volume.h"
 #include "app/loading/fetch/loading.h"
 #include "app/loading/fetch/partial_file.h"
-#include "net/load/transport.h"
+#include "net/transfer/transport.h"
 
 #include <algorithm>
 #include <iterator>
