@@ -259,7 +259,7 @@ int run_snapshot(const OpenCommand& given_options, const std::string& named) {
     add_phases(phases, stats);
     const Clock::time_point again = Clock::now();
     (void)paint_image(renderer, scene, options.picture);
-    stats.put("bytes", simulation.world().bytes);
+    stats.put("bytes", simulation.world().received());
     stats.put("load_s", load_seconds);
     stats.put("first_image_s", first_image_seconds);
     stats.put("frame_s", seconds_since(again));
