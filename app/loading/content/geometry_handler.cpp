@@ -71,6 +71,8 @@ void GeometryHandler::read_parts(const std::shared_ptr<PartialFile>& file, std::
   if (!has_more()) warn_of_trouble();
 }
 
+bool GeometryHandler::lacks_parts() const { return parts_ && !parts_->trouble().empty(); }
+
 void GeometryHandler::warn_of_trouble() {
   std::string trouble = parts_ ? parts_->trouble() : std::string();
   if (trouble.empty() && array_trouble_) trouble = array_trouble_();

@@ -209,6 +209,7 @@ TEST_CASE("a volume that changes on its server gives one message") {
   const LoadedWorld world = load_world("memory://a/slices.nrrd", options_for(network));
   CHECK(world.diagnostics.entries().size() == 1);
   CHECK_THAT(texts_of(world.diagnostics), Catch::Contains("the file changed on the server"));
+  CHECK(world.truncated);
 }
 
 TEST_CASE("a short volume on a server is read as a whole") {
