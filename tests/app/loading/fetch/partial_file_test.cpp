@@ -138,6 +138,25 @@ TEST_CASE("a partial file receives several parts at once and none twice") {
   for (const ByteSpan& part : parts) CHECK(remote.content(part.offset, 500) == slices_part(part.offset, 500));
 }
 
+TEST_CASE("a partial file joins ranges with short gaps after requests have taken long for their bytes") {
+  const Remote remote([](const net::TransferRequest& request, unsigned) {
+    net::MemoryAnswer answer = net::answer_well(slices_resource(), request);
+    answer.latency = net::Milliseconds(20);
+    return answer;
+  });
+  const auto requests_of_parts = [&](std::uint64_t first) {
+    std::vector<ByteSpan> parts;
+    constexpr std::uint64_t kParts = 60, kGap = 9'500;
+    for (std::uint64_t i = 0; i < kParts; ++i) parts.push_back({first + i * kGap, 100});
+    const std::size_t before = remote.network->transfers().size();
+    CHECK(remote.file->need(parts));
+    return remote.network->transfers().size() - before;
+  };
+  REQUIRE(remote.need(0, 4'000'000));
+  CHECK(requests_of_parts(5'000'000) == 60);
+  CHECK(requests_of_parts(8'000'000) < 30);
+}
+
 TEST_CASE("a partial file reports a change on the server once and reads nothing more") {
   const Remote remote([](const net::TransferRequest& request, unsigned) {
     net::MemoryResource resource = slices_resource();
