@@ -57,6 +57,8 @@ class GeometryHandler final : public ResourceHandler {
   bool take_parts(const PartsOffer& offer) override;
   /// Reads a volume by parts. `front` has the first bytes of `file`.
   void read_parts(const std::shared_ptr<PartialFile>& file, std::span<const std::byte> front);
+  /// Returns true if parts of the file could not be received or kept.
+  [[nodiscard]] bool lacks_parts() const;
   std::shared_ptr<StreamFeed> feed() override { return way_ == Way::done ? nullptr : feed_; }
 
  private:

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/loading/fetch/load_options.h"
-#include "net/load/load_types.h"
+#include "net/transfer/load_types.h"
 
 #include <atomic>
 #include <optional>

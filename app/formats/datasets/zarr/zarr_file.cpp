@@ -216,7 +216,7 @@ class ZarrFile::Finder {
       listed = true;
     }
     listed = add_named(path, node) || listed;
-    if (!listed || file_.place_.list) add_listed(path);
+    if (!listed || !file_.place_.remote) add_listed(path);
   }
 
   /// Adds the nodes of consolidated metadata. Returns false if there are none.
@@ -339,7 +339,7 @@ std::variant<std::shared_ptr<ZarrFile>, std::string> ZarrFile::open(ZarrPlace pl
       return found == file->infos_.end() || found->shape.size() != image.axes.size();
     });
   std::erase_if(file->images_, [](const ZarrImage& image) { return image.levels.empty(); });
-  if (file->infos_.empty() && !file->place_.list)
+  if (file->infos_.empty() && (!file->place_.list || file->place_.remote))
     return std::string("the server does not list this group; name one of its arrays, as in data.zarr/temperature");
   return file;
 }
