@@ -254,6 +254,7 @@ HttpSite::Reply HttpSite::get(const HttpRequest& request, const std::string& pat
   if (const auto* refusal = std::get_if<PathRefusal>(&opened)) {
     if (refusal->status == 404 && !names.folder) {
       if (auto reply = made(request, names, query, true)) return std::move(*reply);
+      if (auto reply = content(request, names)) return std::move(*reply);
       if (options_.missing)
         if (auto page = options_.missing(names.names.back(), request_of(request, names, query)))
           return text(request, page->mime, std::move(page->body));
@@ -402,6 +403,24 @@ HttpAnswer HttpSite::send(const HttpRequest& request, Representation chosen) con
   answer.headers.emplace_back("Content-Type", chosen.type.mime);
   if (size > 0) answer.parts.push_back({{}, {0, size}});
   return answer;
+}
+
+std::optional<HttpSite::Reply> HttpSite::content(const HttpRequest& request, const RequestPath& path) const {
+  if (!options_.content) return std::nullopt;
+  std::string name;
+  for (const std::string& part : path.names) name += (name.empty() ? "" : "/") + part;
+  HeldContent held = options_.content(name);
+  switch (held.state) {
+    case HeldContent::State::none:
+      break;
+    case HeldContent::State::waiting:
+      if (request.method == "HEAD") return problem(202, "is being generated; retry later");
+      if (request.waited_long) return problem(503, "is not ready; retry later");
+      return WaitForMade{kContentLane, name, options_.content_wait};
+    case HeldContent::State::ready:
+      return text(request, held.mime, std::move(held.body));
+  }
+  return std::nullopt;
 }
 
 std::optional<HttpSite::Reply> HttpSite::made(const HttpRequest& request, const RequestPath& path,
