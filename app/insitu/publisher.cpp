@@ -55,12 +55,14 @@ net::ServedType insitu_type_of(const std::string& name) {
 }  // namespace
 
 std::string stream_file_name(const StepStream& stream, std::int64_t step, const std::vector<std::string>& taken) {
+  constexpr const char *kStreamEnd = ".qnv", *kContainerEnd = ".zarr";
   std::string name = stream.field.empty() ? name_of(stream.kind) : stream.field;
   for (char& c : name)
     if (!((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_')) c = '_';
   if (stream.kind != StreamKind::volume && !stream.field.empty()) name += std::string("-") + name_of(stream.kind);
   char number[32];
-  std::snprintf(number, sizeof number, ".%06lld.qnv", static_cast<long long>(step));
+  std::snprintf(number, sizeof number, ".%06lld%s", static_cast<long long>(step),
+                stream.served ? kContainerEnd : kStreamEnd);
   std::string file = name + number;
   for (int i = 2; std::ranges::find(taken, file) != taken.end(); ++i) file = name + "-" + std::to_string(i) + number;
   return file;
@@ -124,6 +126,11 @@ std::optional<std::string> Publisher::start_server() {
     note_viewer();
     const std::lock_guard lock(mutex_);
     return net::FolderPage{"model/vrml", world_};
+  };
+  http.content = [this](const std::string& path) {
+    net::HeldContent held = shelf_.content(path);
+    if (held.state != net::HeldContent::State::none) note_viewer();
+    return held;
   };
   http.missing = [this](const std::string& name, const net::FolderRequest&) -> std::optional<net::FolderPage> {
     if (name != kLiveJson) return std::nullopt;
@@ -190,16 +197,46 @@ bool Publisher::is_wanted() const {
     const std::lock_guard lock(mutex_);
     if (kept_.empty()) return true;  // so that the first viewer finds a step
   }
+  if (!has_viewer()) return false;
+  if (seen_) return true;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!shelved_) return false;
+  }
+  return shelf_.is_seen() && !shelf_.is_busy(BrickShelf::Clock::now());
+}
+
+bool Publisher::has_viewer() const {
   const std::int64_t last = viewer_;
-  return seen_ && last != INT64_MIN && insitu_now() - last < std::chrono::nanoseconds(kViewerStays).count();
+  return last != INT64_MIN && insitu_now() - last < std::chrono::nanoseconds(kViewerStays).count();
+}
+
+void Publisher::deliver(const WantedChunk& wanted, std::vector<float> values) {
+  shelf_.deliver(wanted, std::move(values));
+  if (server_) server_->wake();
 }
 
 std::optional<std::string> Publisher::publish(std::int64_t step, double time, std::vector<StepStream> streams) {
   if (streams.empty()) return std::nullopt;
   Kept kept;
   JsonValue list = JsonValue::list();
+  bool shelved = false;
   for (const StepStream& stream : streams) {
-    const std::string name = stream_file_name(stream, step, kept.files);
+    std::string name = stream_file_name(stream, step, kept.files);
+    if (stream.served) {
+      stream.served->container = name;
+      name += "/zarr.json";
+      shelf_.put(std::move(*stream.served));
+      shelved = true;
+      kept.files.push_back(name);
+      list.add(JsonValue::named({{"kind", name_of(stream.kind)},
+                                 {"field", stream.field},
+                                 {"unit", stream.unit},
+                                 {"url", name},
+                                 {"max_error", stream.max_error},
+                                 {"thinning", stream.thinning}}));
+      continue;
+    }
     auto failed = net::write_file_atomically(folder_ + name, stream.bytes);
     if (failed && make_room()) failed = net::write_file_atomically(folder_ + name, stream.bytes);
     if (failed) {
@@ -226,6 +263,7 @@ std::optional<std::string> Publisher::publish(std::int64_t step, double time, st
   about_.put("time", time);
   about_.put("streams", std::move(list));
   kept_.push_back(std::move(kept));
+  shelved_ = shelved;
   seen_ = false;
   drop_old();
   return std::nullopt;

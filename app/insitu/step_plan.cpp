@@ -37,6 +37,11 @@ std::uint64_t grid_bytes(const StepPlan& plan) {
   return all < 1e18 ? static_cast<std::uint64_t>(all) : UINT64_MAX;
 }
 
+std::uint64_t points_of_grid(const StepPlan& plan) {
+  const auto size = grid_size(plan.grid, plan.grid_field[0].of_cells != 0, 1);
+  return std::uint64_t{size[0]} * size[1] * std::min(std::uint64_t{size[2]}, UINT64_MAX / size[0] / size[1]);
+}
+
 void plan_grid(std::span<const RankFacts> ranks, const PlanWishes& wishes, StepPlan& plan) {
   const RankFacts* first = nullptr;
   for (const RankFacts& rank : ranks) {
@@ -58,6 +63,22 @@ void plan_grid(std::span<const RankFacts> ranks, const PlanWishes& wishes, StepP
     plan.grid_field[0] = chosen_field(first->blocks, wishes.field);
   }
   constexpr std::uint32_t kMaxThinning = 1U << 20;
+  if (wishes.keep && plan.grid_field[0].components == 1 && points_of_grid(plan) > kMaxCollectedPoints) {
+    plan.keeps = 1;
+    plan.serial = wishes.serial;
+    plan.kept_field = plan.grid_field[0];
+    plan.grid_fields = 0;
+    std::uint64_t most = 0;
+    for (const RankFacts& rank : ranks) most = std::max(most, rank.blocks.count);
+    // Flat axes cannot be thinned.
+    double part = 1;
+    for (const std::uint32_t points : grid_size(plan.grid, plan.kept_field.of_cells != 0, 1))
+      if (points > 1) part /= 2;
+    double bytes = static_cast<double>(most) * wishes.kept_bytes * kKeptSteps;
+    for (; bytes > static_cast<double>(wishes.max_memory) && plan.kept_thinning < kMaxThinning; bytes *= part)
+      plan.kept_thinning *= 2;
+    return;
+  }
   while (grid_bytes(plan) > wishes.max_memory && plan.thinning < kMaxThinning) plan.thinning *= 2;
 }
 

@@ -115,6 +115,14 @@ const char* name_of(StreamKind kind) {
 std::vector<StepStream> encode_step(const StepData& data, const StreamLimits& limits,
                                     std::vector<std::string>& problems) {
   std::vector<StepStream> streams;
+  if (data.served)
+    streams.push_back({StreamKind::volume,
+                       data.served->grid.field,
+                       data.served->grid.unit,
+                       {},
+                       data.served->max_error,
+                       data.served->thinning,
+                       data.served});
   for (const GridValues& grid : data.grids)
     take(encode_grid(data, grid, limits), grid.field.name.data(), streams, problems);
   for (const SurfaceValues& surface : data.surfaces) {
