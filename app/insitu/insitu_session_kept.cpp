@@ -75,7 +75,8 @@ bool InSituSession::keep_step(const StepPlan& plan, StepData& data) {
   served.pyramid = pyramid;
   served.thinning = plan.kept_thinning;
   served.max_error = bound.of(whole.range);
-  served.rounding = std::max(static_cast<float>(served.max_error) - whole.error, 0.0F);
+  // Viewers draw gradients of values, which would show the steps of coarser values.
+  served.rounding = std::max(static_cast<float>(served.max_error) - whole.error, 0.0F) / 4;
   served.grid.field = plan.kept_field.name.data();
   served.grid.unit = plan.kept_field.unit.data();
   for (std::size_t a = 0; a < 3; ++a) {
