@@ -86,7 +86,7 @@ bool TogetherEncoding::open() {
   std::optional<std::string> problem;
   if (leads()) problem = open_here();
   if (!agreed(problem)) return false;
-  const std::byte own{leads() && encodes_values(options_, opened_->input)};
+  const std::byte own{leads() && shares_work(options_, opened_->input)};
   const std::vector<std::byte> all = ranks_.gather(std::span(&own, 1));
   shared_ = all.front() != std::byte{0};
   problem = shared_ && !leads() ? open_here() : std::nullopt;
@@ -97,7 +97,9 @@ bool TogetherEncoding::open() {
 // Returns an error if the slices that a rank holds would exceed --memory.
 std::optional<std::string> TogetherEncoding::exceeds_memory() const {
   constexpr std::uint64_t kSlices = 64;  // of 4 bytes per voxel
-  const auto& dimensions = std::get<qnv::VolumeSource>(opened_->input.content).layout.dimensions;
+  const auto* const volume = std::get_if<qnv::VolumeSource>(&opened_->input.content);
+  if (!volume) return std::nullopt;  // encoders of surfaces keep to the limit
+  const auto& dimensions = volume->layout.dimensions;
   const std::uint64_t needed = kSlices * 4 * dimensions[0] * dimensions[1];
   if (needed <= options_.limits.memory) return std::nullopt;
   return options_.files.front() + ": slices of " + std::to_string(dimensions[0]) + " x " +

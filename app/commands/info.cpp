@@ -17,6 +17,7 @@
 #include "net/base/url_signature.h"
 #include "net/files/file.h"
 #include "qnv/codecs/displaced/surface.h"
+#include "qnv/codecs/gaussians/lod/splat_stream.h"
 #include "qnv/codecs/gaussians/splat_cluster.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/outlines/outline_stream.h"
@@ -389,7 +390,11 @@ void describe_world(JsonValue& facts, const OpenedSurface& opened) {
   std::size_t vectors = 0;
   for (const auto& [node, geometry] : world.geometries) {
     const auto* octree = geometry->as<qnv::OctreeSplats>();
-    vectors += octree ? static_cast<std::size_t>(octree->stream->header().vectors) : geometry->size();
+    const auto* gaussians = geometry->as<qnv::Gaussians>();
+    if (gaussians && gaussians->stream)
+      vectors += static_cast<std::size_t>(gaussians->stream->header().vectors);
+    else
+      vectors += octree ? static_cast<std::size_t>(octree->stream->header().vectors) : geometry->size();
   }
   facts.put("title", world.title);
   put_x3d(facts, *world.scene);

@@ -198,11 +198,11 @@ int run_snapshot(const OpenCommand& given_options, const std::string& named) {
   const render::DrawOptions draw = picture_draw(options, simulation.look());
   const double unit = simulation.look().scale;
   // The camera is final only here. Levels of detail and billboards depend on it.
-  const render::RenderList& list = simulation.look_from(camera);
-  if (options.display != render::DisplayMode::surface && !has_faces(list))
+  const render::RenderList* list = &simulation.look_from(camera);
+  if (options.display != render::DisplayMode::surface && !has_faces(*list))
     complain("%s: warning: splats and volumes have no faces; --display has no effect", file.c_str());
   Diagnostics limits;
-  report_limits(list, limits);
+  report_limits(*list, limits);
   print_diagnostics(limits);
 
   release_lists(*simulation.world().scene);
@@ -218,27 +218,34 @@ int run_snapshot(const OpenCommand& given_options, const std::string& named) {
   render::FrameStatistics statistics;
   phases.enter(Phase::draw);
   ColorCount colors;
-  PictureScene scene{&list, camera, draw, unit, {}, measured};
+  PictureScene scene{list, camera, draw, unit, {}, measured};
   if (!options.stats.empty()) scene.over = [&](render::Image& band, int, const glm::ivec2&) { colors.add(band); };
   VolumeShow volume;
   const auto prepare = [&] {
-    scene.draw.splat_style.reading = volume.reading(options.volume, list);
+    scene.draw.splat_style.reading = volume.reading(options.volume, *list);
     // Streams that are larger than memory decode, and servers send, what the picture shows.
     limit_drawing(0);
-    receive_for_picture(*loading, simulation.world(), options.timeout_seconds, [&] {
-      limit_drawing(options.timeout_seconds);
-      (void)paint_image(renderer, scene, options.picture);
-      limit_drawing(0);
-    });
+    receive_for_picture(
+        *loading, simulation.world(), options.timeout_seconds,
+        [&] {
+          limit_drawing(options.timeout_seconds);
+          (void)paint_image(renderer, scene, options.picture);
+          limit_drawing(0);
+        },
+        [&](ResourceUpdates updates) {
+          print_diagnostics(updates.diagnostics);
+          simulation.arrive(std::move(updates));
+          scene.list = list = &simulation.look_from(camera);
+        });
     limit_drawing(options.timeout_seconds);
-    return volume.prepare(options.volume, file, list, simulation.world().color_key,
+    return volume.prepare(options.volume, file, *list, simulation.world().color_key,
                           std::make_shared<Budget>(options.limits));
   };
   if (const auto problem = prepare()) return fail(*problem);
   // The slices of such a stream have a place only now, and get finer values for it.
   const bool shows_values = !options.volume.slices.empty() || options.volume.display.needs_values();
-  if (shows_values && detail_revision(list) > 0) {
-    scene.draw.splat_style.reading = volume.reading(options.volume, list);
+  if (shows_values && detail_revision(*list) > 0) {
+    scene.draw.splat_style.reading = volume.reading(options.volume, *list);
     if (!loading->streaming()) (void)paint_image(renderer, scene, options.picture);
     if (const auto problem = prepare()) return fail(*problem);
   }

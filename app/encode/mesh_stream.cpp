@@ -16,9 +16,11 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kPutAsideEvery = std::size_t{64} << 20;  // number of bytes to read before memory is released
-constexpr std::size_t kColorsLookedAt = 65'536;                // number of facets to check for colours
-const qnv::Rgb8 kPlainGrey{204, 204, 204};                     // default Material.diffuseColor (VRML97 6.27)
+constexpr std::uint64_t kPutAsideRuns = 5;       // number of runs to read before memory is released; 65 MB of facets
+constexpr std::size_t kColorsLookedAt = 65'536;  // number of facets to check for colours
+const qnv::Rgb8 kPlainGrey{204, 204, 204};       // default Material.diffuseColor (VRML97 6.27)
+
+std::uint64_t runs_of(std::uint64_t faces) { return (faces + MeshStream::kRunFaces - 1) / MeshStream::kRunFaces; }
 
 std::optional<MeshStream> stl_stream(std::span<const std::byte> bytes, const PutAside& put_aside) {
   const auto stl = BinaryStl::open(bytes);
@@ -29,22 +31,22 @@ std::optional<MeshStream> stl_stream(std::span<const std::byte> bytes, const Put
   const qnv::Rgb8 plain = stl->object_color()
                               ? to_rgb8({stl->object_color()->r, stl->object_color()->g, stl->object_color()->b})
                               : kPlainGrey;
-  stream.source = [put_aside, stl = *stl, colored, plain](const qnv::TriangleSink& sink) {
+  const auto read = [put_aside, stl = *stl, colored, plain](std::uint64_t run, const qnv::TriangleSink& sink) {
     TriangleBatches batches(sink);
-    std::size_t read = BinaryStl::kDataStart, aside = 0;
-    for (std::size_t i = 0; i < stl.size(); ++i, read += BinaryStl::kFacetBytes) {
+    const auto first = static_cast<std::size_t>(run * MeshStream::kRunFaces);
+    const std::size_t end = std::min<std::size_t>(stl.size(), first + MeshStream::kRunFaces);
+    for (std::size_t i = first; i < end; ++i) {
       qnv::Rgb8 color = plain;
       if (colored) {
         const vrml::Color c = stl.color(i);
         color = to_rgb8({c.r, c.g, c.b});
       }
       if (!batches.add({stl.corners(i), {}, {color, color, color}})) return false;
-      if (!put_aside || read - aside < kPutAsideEvery) continue;
-      put_aside(read);
-      aside = read;
     }
+    if (put_aside && (run + 1) % kPutAsideRuns == 0) put_aside(BinaryStl::kDataStart + end * BinaryStl::kFacetBytes);
     return batches.flush();
   };
+  stream.source = {runs_of(stream.faces), read};
   return stream;
 }
 
@@ -113,10 +115,13 @@ class VertexRows {
   std::optional<std::array<RowColumn, 3>> colors_;
 };
 
-/// Calls `each` with the corners of each face. Stops when `each` returns false.
+bool lists_corners(const PlyProperty& property) {
+  return property.is_list && (property.name == "vertex_indices" || property.name == "vertex_index");
+}
+
+/// Calls `each` with the corners of each face. Stops when `each` returns false. `source` is then after the last face.
 template <bool big, class Each>
-bool for_each_face(std::span<const std::byte> bytes, const PlyElement& element, const Each& each) {
-  PlyBinarySource<big> source(bytes);
+bool for_each_face(PlyBinarySource<big>& source, const PlyElement& element, const Each& each) {
   std::vector<std::int32_t> corners;
   for (std::uint64_t row = 0; row < element.count; ++row) {
     for (const PlyProperty& property : element.properties) {
@@ -127,7 +132,7 @@ bool for_each_face(std::span<const std::byte> bytes, const PlyElement& element, 
         length = static_cast<std::size_t>(announced);
         if (!source.may_hold(property.type, length)) return true;
       }
-      if (property.is_list && (property.name == "vertex_indices" || property.name == "vertex_index")) {
+      if (lists_corners(property)) {
         corners.resize(length);
         if (!source.read_indices(property.type, corners)) return true;
       } else if (source.may_hold(property.type, length)) {
@@ -142,6 +147,56 @@ bool for_each_face(std::span<const std::byte> bytes, const PlyElement& element, 
   return true;
 }
 
+/// Faces of a binary PLY file, in runs. If the size of the data says that all faces are triangles, a run has a known
+/// offset. Otherwise, finding a run reads the sizes of all faces before it.
+template <bool big>
+class FaceRuns {
+ public:
+  /// `data` starts at the first face.
+  FaceRuns(std::span<const std::byte> data, PlyElement faces, bool last) : data_(data), faces_(std::move(faces)) {
+    std::size_t row = 0, lists = 0;
+    for (const PlyProperty& property : faces_.properties) {
+      row +=
+          lists_corners(property) ? size_of(property.count_type) + 3 * size_of(property.type) : size_of(property.type);
+      lists += property.is_list ? 1 : 0;
+    }
+    if (last && lists == 1 && data.size() / row == faces_.count && data.size() % row == 0) triangle_bytes_ = row;
+  }
+
+  /// Calls `each` with the corners of each face of a run. Returns false if it did, or if a run of triangles has another
+  /// face.
+  template <class Each>
+  bool for_each(std::uint64_t run, const Each& each) {
+    PlyElement some = faces_;
+    const std::uint64_t first = run * MeshStream::kRunFaces;
+    some.count = std::min(MeshStream::kRunFaces, faces_.count - std::min(faces_.count, first));
+    PlyBinarySource<big> source(data_.subspan(start_of(run)));
+    return for_each_face(source, some, [&](std::span<const std::int32_t> corners) {
+      return (triangle_bytes_ == 0 || corners.size() == 3) && each(corners);
+    });
+  }
+
+ private:
+  std::size_t start_of(std::uint64_t run) {
+    if (triangle_bytes_ > 0)
+      return static_cast<std::size_t>(
+          std::min<std::uint64_t>(data_.size(), run * MeshStream::kRunFaces * triangle_bytes_));
+    while (starts_.size() <= run) {
+      PlyElement some = faces_;
+      some.count = MeshStream::kRunFaces;
+      PlyBinarySource<big> source(data_.subspan(starts_.back()));
+      (void)for_each_face(source, some, [](std::span<const std::int32_t>) { return true; });
+      starts_.push_back(data_.size() - source.bytes().size());
+    }
+    return starts_[static_cast<std::size_t>(run)];
+  }
+
+  std::span<const std::byte> data_;
+  PlyElement faces_;
+  std::size_t triangle_bytes_ = 0;      // bytes of each face; 0 if the sizes of faces may differ
+  std::vector<std::size_t> starts_{0};  // offsets of the runs that were found
+};
+
 template <bool big>
 std::optional<MeshStream> ply_stream(std::span<const std::byte> bytes, PlyTable table) {
   const auto places = columns_of(table.element, {"x", "y", "z"});
@@ -150,10 +205,8 @@ std::optional<MeshStream> ply_stream(std::span<const std::byte> bytes, PlyTable 
   while (at < table.header.elements.size() && table.header.elements[at].name != "vertex") ++at;
   if (at + 1 >= table.header.elements.size() || table.header.elements[at + 1].name != "face") return std::nullopt;
   const PlyElement faces = table.header.elements[at + 1];
-  if (std::none_of(faces.properties.begin(), faces.properties.end(), [](const PlyProperty& p) {
-        return p.is_list && (p.name == "vertex_indices" || p.name == "vertex_index");
-      }))
-    return std::nullopt;
+  if (std::ranges::none_of(faces.properties, lists_corners)) return std::nullopt;
+  const bool last = at + 2 == table.header.elements.size();
   if (table.rows < table.element.count) return std::nullopt;
   const std::byte* const after = table.data.data() + table.rows * table.element.least_row_bytes();
   const std::span<const std::byte> data = bytes.subspan(static_cast<std::size_t>(after - bytes.data()));
@@ -167,11 +220,12 @@ std::optional<MeshStream> ply_stream(std::span<const std::byte> bytes, PlyTable 
   if (!box.empty()) stream.size = glm::vec3(box.upper - box.lower);
   // Only double coordinates gain precision from another origin.
   if (rows->wide()) stream.origin = qnv::local_origin(box);
-  stream.source = [rows, data, faces, origin = stream.origin](const qnv::TriangleSink& sink) {
+  const auto runs = std::make_shared<FaceRuns<big>>(data, faces, last);
+  const auto read = [rows, runs, origin = stream.origin](std::uint64_t run, const qnv::TriangleSink& sink) {
     TriangleBatches batches(sink);
     std::array<glm::vec3, 3> positions{};
     std::array<qnv::Rgb8, 3> colors{kPlainGrey, kPlainGrey, kPlainGrey};
-    const bool whole = for_each_face<big>(data, faces, [&](std::span<const std::int32_t> corners) {
+    const bool whole = runs->for_each(run, [&](std::span<const std::int32_t> corners) {
       if (corners.size() < 3) return true;
       for (const std::int32_t corner : corners)
         if (corner < 0 || static_cast<std::size_t>(corner) >= rows->size()) return true;
@@ -190,6 +244,7 @@ std::optional<MeshStream> ply_stream(std::span<const std::byte> bytes, PlyTable 
     });
     return whole && batches.flush();
   };
+  stream.source = {runs_of(stream.faces), read};
   return stream;
 }
 

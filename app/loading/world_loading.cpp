@@ -5,7 +5,6 @@
 #include "app/formats/datasets/zarr/zarr_place.h"
 #include "app/formats/streamed_names.h"
 #include "app/formats/volume/volume.h"
-#include "app/formats/volume/volume_common.h"
 #include "app/loading/content/outline_handler.h"
 #include "app/loading/content/scene_handler.h"
 #include "app/loading/fetch/importance.h"
@@ -76,8 +75,8 @@ void WorldLoading::State::start() {
   auto first = std::make_unique<Fetch>();
   if (asked.scheme.empty() || asked.scheme == "file") {
     std::string path = asked.scheme.empty() ? asked_path : net::path_of_url(asked);
-    if (std::string zarr = zarr_entry_of_folder(path); !zarr.empty())
-      path = std::move(zarr);
+    if (std::string file = file_of_folder(path); !file.empty())
+      path = std::move(file);
     else if (std::string scan = entry_of_folder(path); !scan.empty())
       loading.options.component.folder = std::exchange(path, std::move(scan));
     std::error_code error;

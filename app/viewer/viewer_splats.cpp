@@ -1,6 +1,7 @@
 #include "app/viewer/viewer_splats.h"
 
 #include "app/inspect/selection_marks.h"
+#include "qnv/codecs/gaussians/lod/splat_stream.h"
 
 #include <algorithm>
 #include <string>
@@ -45,7 +46,8 @@ UiSplats describe_splats(Session& session, const std::optional<Viewport>& place)
   splats.edit = document.splats.edit();
   splats.extent = document.splats.extent(document.world);
   splats.removed = document.splats.removed();
-  splats.shown = only->geometry->size();
+  const auto& stream = only->geometry->as<qnv::Gaussians>()->stream;
+  splats.shown = stream ? static_cast<std::size_t>(stream->header().vectors) : only->geometry->size();
   splats.busy = document.splats.busy();
   splats.problem = document.splats.problem();
   splats.command = command_of(splats.edit, document.world.path);

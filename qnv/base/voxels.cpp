@@ -16,9 +16,9 @@ namespace gs::qnv {
 struct VoxelBlock {
   std::vector<std::uint32_t> slots;  // 0 means free; otherwise 1 + index
   std::vector<std::uint32_t> keys;
-  std::vector<SurfaceMoments> moments;
+  std::vector<MomentSums> moments;
 
-  SurfaceMoments& at(std::uint32_t key) {
+  MomentSums& at(std::uint32_t key) {
     if (keys.size() * 2 >= slots.size()) grow();
     const std::size_t mask = slots.size() - 1;
     std::size_t slot = (key * 2654435761u >> 7) & mask;
@@ -48,7 +48,7 @@ namespace {
 // log2 of a block's edge in voxels. Small enough that the table stays in the processor's cache; large enough that few
 // triangles cross blocks.
 constexpr int kBlockBits = 5;
-constexpr std::size_t kBatch = std::size_t{1} << 19;  // maximum number of triangles that wait for the threads
+constexpr std::size_t kBatch = std::size_t{1} << 19;        // maximum number of triangles that wait for the threads
 constexpr std::size_t kMaxMeetings = std::size_t{1} << 22;  // maximum number of triangle-block pairs in one batch
 constexpr std::uint32_t kBlockEdge = 1u << kBlockBits;
 
@@ -102,6 +102,16 @@ void cut(const ClippedPolygon& in, int axis, float at, ClippedPolygon& below, Cl
 
 glm::vec3 color_of(const Rgb8& c) { return {c.r, c.g, c.b}; }
 
+void add_to(std::array<MomentSums::Sum, 3>& sums, const glm::vec3& v) {
+  for (int axis = 0; axis < 3; ++axis) sums[static_cast<std::size_t>(axis)].add(v[axis]);
+}
+
+template <int kBits>
+glm::vec3 value_of(const std::array<FixedSum<kBits>, 3>& sums) {
+  return {static_cast<float>(sums[0].value()), static_cast<float>(sums[1].value()),
+          static_cast<float>(sums[2].value())};
+}
+
 // Divides one triangle among the voxels of one block.
 struct VoxelCutter {
   VoxelBlock& block;
@@ -115,23 +125,24 @@ struct VoxelCutter {
     const auto key = static_cast<std::uint32_t>(morton_encode(static_cast<std::uint32_t>(voxel[0]),
                                                               static_cast<std::uint32_t>(voxel[1]),
                                                               static_cast<std::uint32_t>(voxel[2])));
-    SurfaceMoments& m = block.at(key);
+    MomentSums& m = block.at(key);
     const float b0 = 1 - b1 - b2;
     const glm::vec3 middle(static_cast<float>(voxel[0]) + 0.5f, static_cast<float>(voxel[1]) + 0.5f,
                            static_cast<float>(voxel[2]) + 0.5f);
     glm::vec3 normal = normals[0] * b0 + normals[1] * b1 + normals[2] * b2;
     const float length = glm::dot(normal, normal);
     normal = length > 1e-12f ? normal / std::sqrt(length) : face;
-    m.area += area;
-    m.position += (center - middle) * area;
-    m.normal += normal * area;
-    m.color += (colors[0] * b0 + colors[1] * b1 + colors[2] * b2) * area;
-    m.spread[0] += face.x * face.x * area;
-    m.spread[1] += face.x * face.y * area;
-    m.spread[2] += face.x * face.z * area;
-    m.spread[3] += face.y * face.y * area;
-    m.spread[4] += face.y * face.z * area;
-    m.spread[5] += face.z * face.z * area;
+    m.area.add(area);
+    add_to(m.position, (center - middle) * area);
+    add_to(m.normal, normal * area);
+    const glm::vec3 color = (colors[0] * b0 + colors[1] * b1 + colors[2] * b2) * area;
+    for (int channel = 0; channel < 3; ++channel) m.color[static_cast<std::size_t>(channel)].add(color[channel]);
+    m.spread[0].add(face.x * face.x * area);
+    m.spread[1].add(face.x * face.y * area);
+    m.spread[2].add(face.x * face.z * area);
+    m.spread[3].add(face.y * face.y * area);
+    m.spread[4].add(face.y * face.z * area);
+    m.spread[5].add(face.z * face.z * area);
   }
 
   // Adds a polygon inside one voxel, as a fan of triangles.
@@ -245,6 +256,26 @@ void SurfaceMoments::add(const SurfaceMoments& other) {
   normal += other.normal;
   color += other.color;
   for (std::size_t i = 0; i < spread.size(); ++i) spread[i] += other.spread[i];
+}
+
+void MomentSums::add(const MomentSums& other) {
+  area.add(other.area);
+  for (std::size_t i = 0; i < 3; ++i) {
+    position[i].add(other.position[i]);
+    normal[i].add(other.normal[i]);
+    color[i].add(other.color[i]);
+  }
+  for (std::size_t i = 0; i < spread.size(); ++i) spread[i].add(other.spread[i]);
+}
+
+SurfaceMoments MomentSums::moments() const {
+  SurfaceMoments m;
+  m.area = static_cast<float>(area.value());
+  m.position = value_of(position);
+  m.normal = value_of(normal);
+  m.color = value_of(color);
+  for (std::size_t i = 0; i < spread.size(); ++i) m.spread[i] = static_cast<float>(spread[i].value());
+  return m;
 }
 
 struct SurfaceVoxelizer::State {
@@ -402,7 +433,7 @@ void SurfaceVoxelizer::add(std::span<const Triangle> triangles) {
   }
 }
 
-std::vector<Voxel> SurfaceVoxelizer::finish() {
+std::vector<VoxelSums> SurfaceVoxelizer::sums() {
   State& state = *state_;
   state.flush();
   std::vector<std::uint32_t> order(state.blocks.size());
@@ -410,7 +441,7 @@ std::vector<Voxel> SurfaceVoxelizer::finish() {
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<std::uint32_t>(i);
   std::sort(order.begin(), order.end(), [&](auto a, auto b) { return state.block_keys[a] < state.block_keys[b]; });
   for (std::size_t i = 0; i < order.size(); ++i) begin[i + 1] = begin[i] + state.blocks[order[i]]->keys.size();
-  std::vector<Voxel> voxels(begin.back());
+  std::vector<VoxelSums> voxels(begin.back());
   parallel_for(
       order.size(),
       [&](std::size_t i) {
@@ -426,6 +457,15 @@ std::vector<Voxel> SurfaceVoxelizer::finish() {
       state.threads);
   return voxels;
 }
+
+std::vector<Voxel> voxels_of(std::span<const VoxelSums> sums) {
+  std::vector<Voxel> voxels;
+  voxels.reserve(sums.size());
+  for (const VoxelSums& one : sums) voxels.push_back({one.key, one.sums.moments()});
+  return voxels;
+}
+
+std::vector<Voxel> SurfaceVoxelizer::finish() { return voxels_of(sums()); }
 
 std::vector<Voxel> coarsen(std::span<const Voxel> voxels) {
   std::vector<Voxel> out;

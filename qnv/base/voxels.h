@@ -3,6 +3,7 @@
 #include "base/noncopyable.h"
 #include "base/parallel.h"
 #include "qnv/base/description.h"
+#include "qnv/base/fixed_sum.h"
 #include "qnv/base/triangles.h"
 
 #include <glm/vec3.hpp>
@@ -42,12 +43,33 @@ struct Voxel {
   SurfaceMoments moments;
 };
 
+/// Moments of a voxel as sums that do not depend on the order of the triangles, nor on their distribution to processes.
+struct MomentSums {
+  using Sum = FixedSum<36>;  // of areas: as many as 2^26 full faces
+  Sum area;
+  std::array<Sum, 3> position, normal;
+  std::array<FixedSum<28>, 3> color;
+  std::array<Sum, 6> spread;
+
+  void add(const MomentSums& other);
+  [[nodiscard]] SurfaceMoments moments() const;
+};
+
+/// Voxel of a part of a surface.
+struct VoxelSums {
+  std::uint64_t key = 0;  // Morton code at the voxel's level
+  MomentSums sums;
+
+  [[nodiscard]] std::uint64_t hash() const { return key * 0x9e3779b97f4a7c15ULL >> 20; }
+  void add(const VoxelSums& other) { sums.add(other.sums); }
+};
+
 /// Returns the lower corner of a voxel, in voxel edges from the cube's lower corner.
 [[nodiscard]] glm::vec3 voxel_cell(std::uint64_t key);
 
 /// Integrates triangles over the voxels of one level. Clips triangles exactly at voxel faces, so that no area is lost
 /// or counted twice. Memory grows with the number of voxels that the surface intersects, not with the number of
-/// triangles. The result is the same, bit by bit, for any number of threads.
+/// triangles. The result is the same, bit by bit, for any number of threads and any order of triangles.
 class SurfaceVoxelizer : NonCopyable {
  public:
   /// Creates a voxelizer; `level` is 1 to kDeepestLevel.
@@ -57,12 +79,17 @@ class SurfaceVoxelizer : NonCopyable {
   /// Adds triangles. Skips a triangle if a corner is not finite or is outside the cube.
   void add(std::span<const Triangle> triangles);
   /// Returns the voxels that contain parts of the surface, by ascending key. Call it once, at the end.
+  [[nodiscard]] std::vector<VoxelSums> sums();
+  /// Returns the moments of sums(). Call one of both functions once.
   [[nodiscard]] std::vector<Voxel> finish();
 
  private:
   struct State;
   std::unique_ptr<State> state_;
 };
+
+/// Returns the voxels with these sums, in the same order.
+[[nodiscard]] std::vector<Voxel> voxels_of(std::span<const VoxelSums> sums);
 
 /// Returns the voxels of the next coarser level.
 [[nodiscard]] std::vector<Voxel> coarsen(std::span<const Voxel> voxels);

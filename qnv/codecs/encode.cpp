@@ -1,5 +1,7 @@
 #include "qnv/codecs/encode.h"
 
+#include "qnv/codecs/shared/ranks.h"
+
 #include <algorithm>
 #include <functional>
 #include <limits>
@@ -40,6 +42,7 @@ std::variant<Encoding, EncodeError> encode(const EncodeSource& source, EncodeReq
   for (const auto& [row, suits] : choices(source, request)) {
     auto encoded = row->encode(source, options, progress);
     if (auto* stream = std::get_if<EncodedStream>(&encoded)) {
+      if (options.ranks && options.ranks->rank() != 0) return Encoding{std::move(*stream), row, {}};
       const PayloadRow& chosen = row_of(stream->header);
       if (options.parity.value_or(0) > 0 && !stream->header.parity && !chosen.sniff)
         return EncodeError{"--parity protects displaced meshes, values and Gaussians; the payload is " +

@@ -27,6 +27,19 @@ void SurfaceSurvey::add(std::span<const Triangle> more) {
   }
 }
 
+void SurfaceSurvey::add(const SurfaceSurvey& later) {
+  if (later.triangles == 0) return;
+  box.add(later.box.lower);
+  box.add(later.box.upper);
+  area += later.area;
+  volume += later.volume;
+  facing += later.facing;
+  colors += later.colors;
+  if (triangles == 0) color = later.color;
+  colored = colored || later.colored || color != later.color;
+  triangles += later.triangles;
+}
+
 Rgb8 SurfaceSurvey::mean_color() const {
   if (!colored || !(area > 0) || !std::isfinite(area)) return color;
   const auto part = [&](double sum) { return static_cast<std::uint8_t>(std::clamp(sum / area + 0.5, 0.0, 255.0)); };

@@ -20,10 +20,12 @@ struct SurfaceSurvey {
   glm::dvec3 facing{0};  // sum of all triangle normals, weighted by area
   std::size_t triangles = 0;
   bool colored = false;  // the triangles have more than one colour
-  Rgb8 color;  // colour of the first corner
+  Rgb8 color;            // colour of the first corner
   glm::dvec3 colors{0};  // sum of all triangle colours, weighted by area
 
   void add(std::span<const Triangle> triangles);
+  /// Adds the statistics of the triangles that follow.
+  void add(const SurfaceSurvey& later);
   /// Returns the only colour, or the mean colour, which is drawn until the colours are received.
   [[nodiscard]] Rgb8 mean_color() const;
   /// Reports whether the surface is closed: its area vectors cancel, and it encloses a volume. The inside of a closed

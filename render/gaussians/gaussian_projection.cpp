@@ -37,8 +37,9 @@ class GaussianProjection {
         low_(view.center.y - kGaussianFarthestTangent * view.tangents.y),
         high_(view.center.y + kGaussianFarthestTangent * view.tangents.y) {}
 
-  /// Sets shape, extent and opacity by EWA. Returns false if the splat is invisible.
-  [[nodiscard]] bool shape_ellipse(const SeenGaussian& seen, bool antialiased, GaussianSplat& splat) const {
+  /// Sets shape and opacity, and the half extents of the ellipse, by EWA. Returns false if the splat is invisible.
+  [[nodiscard]] bool shape_ellipse(const SeenGaussian& seen, bool antialiased, GaussianSplat& splat,
+                                   glm::vec2& reach) const {
     const float near = -1 / seen.place.z, across = lens_.pixels_x * near, up = lens_.pixels_y * near;
     // J at the centre: the change of the pixel with the camera-space position.
     const float along_x = across * std::clamp(seen.place.x * near, left_, right_),
@@ -62,8 +63,7 @@ class GaussianProjection {
     splat.peak = std::log2(std::min(opacity, 1.0f));
     // The opacity falls to the minimum where half the squared Mahalanobis distance is `inside`.
     const float inside = 2 * std::log(std::min(opacity, 1.0f) / kGaussianLeastAlpha);
-    splat.reach_x = std::sqrt(inside * xx);
-    splat.reach_y = std::sqrt(inside * yy);
+    reach = {std::sqrt(inside * xx), std::sqrt(inside * yy)};
     const float factor = 0.5f * kLog2E / determinant;
     splat.xx = yy * factor;
     splat.xy = -xy * factor;
@@ -71,8 +71,10 @@ class GaussianProjection {
     return true;
   }
 
-  /// Sets extent, opacity and linear functions of a surfel. Returns false if the surfel reaches the plane of the eye.
-  [[nodiscard]] bool shape_surfel(const SeenGaussian& seen, GaussianSplat& splat, GaussianSurfel& surfel) const {
+  /// Sets opacity, half extents and linear functions of a surfel. Returns false if the surfel reaches the plane of the
+  /// eye.
+  [[nodiscard]] bool shape_surfel(const SeenGaussian& seen, GaussianSplat& splat, GaussianSurfel& surfel,
+                                  glm::vec2& reach) const {
     const glm::vec3 u = seen.axes[0] * seen.scales.x, v = seen.axes[1] * seen.scales.y;
     // A point (u, v) of the plane has the depth dot(depth, (u, v, 1)), and dot(x, ...) / dot(depth, ...) is its
     // distance from the centre in pixels.
@@ -86,12 +88,11 @@ class GaussianProjection {
     splat.peak = std::log2(opacity);
     // The outline u^2 + v^2 = inside is an ellipse; its extent follows from its dual conic.
     const float scale = inside / (across - square), least = std::sqrt(inside / kSurfelScreen);
-    const auto reach = [&](const glm::vec3& row) {
+    const auto extent = [&](const glm::vec3& row) {
       const float middle = scale * (row.x * depth.x + row.y * depth.y);
       return std::max(std::abs(middle) + std::sqrt(middle * middle - scale * (row.x * row.x + row.y * row.y)), least);
     };
-    splat.reach_x = reach(x);
-    splat.reach_y = reach(y);
+    reach = {extent(x), extent(y)};
     splat.xx = splat.yy = 1;
     splat.xy = 0;
     // The ray of a pixel is the intersection of the planes through its column and its row.
@@ -110,15 +111,18 @@ class GaussianProjection {
     return true;
   }
 
-  /// Sets the pixel of the centre. Returns false if the splat is out of view.
-  [[nodiscard]] bool place(const glm::vec3& seen, GaussianSplat& splat) const {
-    if (!(splat.reach_x < kGaussianMostReach && splat.reach_y < kGaussianMostReach)) return false;
+  /// Sets the pixel of the centre and the box. Returns false if the splat is out of view.
+  [[nodiscard]] bool place(const glm::vec3& seen, const glm::vec2& reach, GaussianSplat& splat) const {
+    if (!(reach.x < kGaussianMostReach && reach.y < kGaussianMostReach)) return false;
     const float near = -1 / seen.z;
     splat.x = seen.x * lens_.pixels_x * near + lens_.middle_x - 0.5f;
     splat.y = seen.y * lens_.pixels_y * near + lens_.middle_y - 0.5f;
-    return splat.x + splat.reach_x >= 0 && splat.y + splat.reach_y >= 0 &&
-           splat.x - splat.reach_x <= static_cast<float>(lens_.width - 1) &&
-           splat.y - splat.reach_y <= static_cast<float>(lens_.height - 1);
+    splat.left = splat.x - reach.x;
+    splat.right = splat.x + reach.x;
+    splat.bottom = splat.y - reach.y;
+    splat.top = splat.y + reach.y;
+    return splat.right >= 0 && splat.top >= 0 && splat.left <= static_cast<float>(lens_.width - 1) &&
+           splat.bottom <= static_cast<float>(lens_.height - 1);
   }
 
  private:
@@ -136,14 +140,15 @@ void project_gaussians(const GaussianItem& item, const SplatView& view, std::siz
   const GaussianProjection projection(*lens, view);
   const glm::mat3 linear(item.camera_from_node);
   const glm::vec3 eye = glm::inverse(linear) * -glm::vec3(item.camera_from_node[3]);
-  const std::size_t end = std::min({last, item.count, g.size()}), per = qnv::harmonic_count(g.degree);
-  for (std::size_t i = first; i < end; ++i) {
+  const std::size_t start = std::min(item.first, g.size()),
+                    end = start + std::min({last, item.count, g.size() - start}), per = qnv::harmonic_count(g.degree);
+  for (std::size_t i = start + first; i < end; ++i) {
     const glm::vec3& position = g.positions[i];
     SeenGaussian seen;
     seen.place = glm::vec3(item.camera_from_node * glm::vec4(position, 1.0f));
     const float depth = -seen.place.z;
     if (!(depth > view.near_plane && depth > 0)) continue;
-    seen.opacity = g.opacities[i] * item.opacity;
+    seen.opacity = faded_opacity(g.opacities[i] * item.opacity, item.presence);
     if (!(seen.opacity >= kGaussianLeastAlpha)) continue;
     if (item.clip && !(glm::dot(glm::vec3(*item.clip), position) + item.clip->w >= 0)) continue;
     const glm::vec4& q = g.rotations[i];
@@ -151,10 +156,11 @@ void project_gaussians(const GaussianItem& item, const SplatView& view, std::siz
     seen.scales = g.scales[i];
     GaussianSplat splat;
     GaussianSurfel surfel;
-    const bool flat =
-        seen.scales.z == 0 && seen.scales.x > 0 && seen.scales.y > 0 && projection.shape_surfel(seen, splat, surfel);
-    if (!flat && !projection.shape_ellipse(seen, g.antialiased, splat)) continue;
-    if (!projection.place(seen.place, splat)) continue;
+    glm::vec2 reach;
+    const bool flat = seen.scales.z == 0 && seen.scales.x > 0 && seen.scales.y > 0 &&
+                      projection.shape_surfel(seen, splat, surfel, reach);
+    if (!flat && !projection.shape_ellipse(seen, g.antialiased, splat, reach)) continue;
+    if (!projection.place(seen.place, reach, splat)) continue;
     const glm::vec3 away = position - eye;
     const float distance = glm::dot(seen.place, seen.place), length = std::sqrt(glm::dot(away, away));
     glm::vec3 color = gaussian_color(g.bases[i], per == 0 ? nullptr : g.harmonics.data() + i * per,

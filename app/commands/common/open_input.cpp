@@ -11,7 +11,6 @@
 #include "app/formats/gltf/gltf_losses.h"
 #include "app/formats/qnv/geometry_reader.h"
 #include "app/formats/volume/confined/confined_volume.h"
-#include "app/formats/volume/volume_common.h"
 #include "app/loading/updates/limit_report.h"
 #include "app/loading/world_loader.h"
 #include "base/text.h"
@@ -219,8 +218,8 @@ bool is_url_input(const std::string& path) {
 std::string local_input(const std::string& path) {
   const net::Url url = net::parse_url(path);
   std::string local = url.scheme == "file" ? net::path_of_url(url) : path;
-  std::string entry = zarr_entry_of_folder(local);
-  return entry.empty() ? local : entry;
+  std::string file = file_of_folder(local);
+  return file.empty() ? local : file;
 }
 
 std::optional<OpenedInput> open_input(const InputOptions& options, const std::string& path, MeshForm form) {

@@ -169,7 +169,8 @@ Upright wanted_upright(const ConversionOptions& options, const OpenedInput& inpu
   return input.upright;
 }
 
-bool encodes_values(const ConversionOptions& options, const OpenedInput& input) {
+bool shares_work(const ConversionOptions& options, const OpenedInput& input) {
+  if (std::holds_alternative<MeshStream>(input.content)) return true;
   const auto* const volume = std::get_if<qnv::VolumeSource>(&input.content);
   return volume && !volume->layout.labels && !options.isovalue && options.exact_bits <= 0 && keeps_values(options);
 }
@@ -195,6 +196,10 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
     if (options.isovalue && options.fraction > 0)
       return EncodeError{"--fraction counts the voxels of a volume; use --vectors with --isovalue"};
     encode_options.metadata = surface_metadata(options, input);
+    if (std::holds_alternative<MeshStream>(input.content)) {
+      encode_options.ranks = output.ranks;
+      encode_options.spill = output.spill;
+    }
     auto encoded = encode(*surface, options, std::move(encode_options), progress);
     if (const auto changed = input.file ? input.file->changed() : std::nullopt) return EncodeError{*changed};
     return encoded;

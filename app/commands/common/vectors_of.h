@@ -26,11 +26,12 @@ struct EncodeOutput {
   unsigned threads = 0;
 };
 
-/// Reports whether encode_input() encodes the values of a volume without labels. Several ranks can share that work.
-[[nodiscard]] bool encodes_values(const ConversionOptions& options, const OpenedInput& input);
+/// Reports whether several ranks can share the work of encode_input(): the values of a volume without labels, or a mesh
+/// that exceeds memory.
+[[nodiscard]] bool shares_work(const ConversionOptions& options, const OpenedInput& input);
 
-/// Encodes an input (qnv::encode) with the settings of the options. Only volumes use `output`; other streams have their
-/// bytes in memory.
+/// Encodes an input (qnv::encode) with the settings of the options. Only volumes use the sink of `output`; other
+/// streams have their bytes in memory.
 [[nodiscard]] std::variant<qnv::EncodedStream, qnv::EncodeError> encode_input(const ConversionOptions& options,
                                                                               const OpenedInput& input,
                                                                               ProgressBar& progress,

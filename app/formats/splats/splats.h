@@ -69,6 +69,10 @@ struct SplatModel {
   /// exceeded.
   [[nodiscard]] std::optional<std::string> draw(const WorldBudget& budget, std::uint64_t count);
   void resize(std::size_t count);
+  /// Appends `count` splats of `part` from index `first` on, with the larger degree of both. Charges memory for them.
+  /// Returns a message if the budget is exceeded.
+  [[nodiscard]] std::optional<std::string> append(const SplatModel& part, std::size_t first, std::size_t count,
+                                                  const WorldBudget& budget);
   /// Returns a coefficient. `number` counts from 0 (degree 1, m = -1).
   [[nodiscard]] glm::vec3& coefficient(std::size_t splat, std::size_t number) {
     return coefficients[splat * qnv::harmonic_count(degree) + number];

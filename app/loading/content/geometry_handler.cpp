@@ -2,8 +2,12 @@
 
 #include "app/base/local_file.h"
 #include "app/base/temporary_file.h"
+#include "app/formats/archive/zip_archive.h"
 #include "app/formats/flow/flow_mesh.h"
+#include "app/formats/qnv/held_streams.h"
+#include "app/formats/splats/splats_sog.h"
 #include "app/formats/volume/coarser_volume.h"
+#include "app/loading/content/splat_levels.h"
 #include "app/loading/fetch/partial_file.h"
 #include "net/limits/clock.h"
 #include "qnv/codecs/octree/lod/lod_source.h"
@@ -107,12 +111,34 @@ void GeometryHandler::read_whole(std::span<const std::byte> bytes, const std::st
   if (found_.local) file.origin.list_folder = lister_beside(path);
   if (parts_) file.origin.need = [parts = parts_](std::span<const ByteSpan> wanted) { return parts->need(wanted); };
   if (type.content == ContentClass::volume) return read_volume(type, file);
+  if (by_view && type.read == read_splats_sog_levels && start_splat_levels(type, bytes)) return;
   auto geometry = read_geometry(type, file, loading_.results.diagnostics(), loading_.limit, loading_.budget);
   if (!geometry) return;
   if (auto held = hold_geometry(std::move(*geometry), loading_.budget))
     show_(std::move(held));
   else
     give_up(Resource::vectors);
+}
+
+bool GeometryHandler::start_splat_levels(const ContentType& type, std::span<const std::byte> bytes) {
+  if (!place_ || is_node() || is_zip(bytes)) return false;
+  auto parsed = parse_sog_levels(bytes, loading_.budget);
+  if (const auto* problem = std::get_if<SogLevelsProblem>(&parsed)) {
+    loading_.results.report(Severity::error, found_.path, problem->location, problem->message);
+    return true;
+  }
+  const auto levels = std::make_shared<SplatLevels>(
+      loading_, SplatLevels::Source{std::move(std::get<SogLevels>(parsed)), &type, found_.path, found_.origin,
+                                    found_.local, loading_.options.by_view});
+  auto first = levels->read_first();
+  if (!first) return true;
+  show_(first);
+  levels->show_by([&loading = loading_, place = place_()](std::shared_ptr<const qnv::Geometry> geometry) {
+    loading.results.add(ResourceUpdates::Geometry{place, {}, std::move(geometry)});
+  });
+  loading_.results.add(levels->feed());
+  loading_.fetcher.network().add_stream(levels);
+  return true;
 }
 
 void GeometryHandler::read_volume(const ContentType& type, const GeometryFile& file) {
@@ -293,6 +319,15 @@ void GeometryHandler::choose_way() {
       return;
     }
   }
+  if (known.payload == qnv::Payload::gaussians && !loading_.options.whole_surfaces) {
+    auto begun = qnv::SplatStream::begin(bytes_);
+    if (auto* stream = std::get_if<std::unique_ptr<qnv::SplatStream>>(&begun)) {
+      way_ = Way::pushed;
+      start_cuts(hold_cuts(std::move(*stream), loading_.budget, true));
+      bytes_ = {};
+      return;
+    }
+  }
   if (known.steps.times.empty() && qnv::BrickVolume::suits(known, most_decoded_vectors(*loading_.budget))) {
     BrickShare share(loading_.budget, true);
     auto begun = qnv::BrickVolume::begin(bytes_, share.limits);
@@ -332,6 +367,11 @@ void GeometryHandler::add_feed(std::shared_ptr<StreamFeed> feed) {
 void GeometryHandler::start_levels(std::shared_ptr<qnv::LodStream> stream) {
   add_feed(std::make_shared<StreamFeed>(stream, [waker = loading_.waker] { waker->wake(); }));
   show_(std::make_shared<const qnv::Geometry>(qnv::OctreeSplats(std::move(stream))));
+}
+
+void GeometryHandler::start_cuts(std::shared_ptr<qnv::SplatStream> stream) {
+  add_feed(std::make_shared<StreamFeed>(stream, [waker = loading_.waker] { waker->wake(); }));
+  show_(std::make_shared<const qnv::Geometry>(gaussians_of(std::move(stream))));
 }
 
 void GeometryHandler::start_bricks(const std::shared_ptr<qnv::BrickVolume>& volume) {

@@ -42,6 +42,9 @@ class GeometryHandler final : public ResourceHandler {
   void note_datasets() { notes_datasets_ = true; }
   /// Lets the handler show the vectors of a volume as arrows or streamlines.
   void show_flow_by(ShowMesh show) { show_mesh_ = std::move(show); }
+  /// Sets the function that returns the place of the vectors in the scene. It is called after the first version was
+  /// shown. Later versions of streamed SOG go there, also after the end of this handler.
+  void show_later_at(std::function<ResourceUpdates::Place()> place) { place_ = std::move(place); }
   void tell_progress(double fraction) override {
     if (progress_) progress_(fraction);
   }
@@ -60,6 +63,7 @@ class GeometryHandler final : public ResourceHandler {
   enum class Way : std::uint8_t { unknown, pushed, decoded, whole, done };
   void choose_way();
   void start_levels(std::shared_ptr<qnv::LodStream> stream);
+  void start_cuts(std::shared_ptr<qnv::SplatStream> stream);
   void start_bricks(const std::shared_ptr<qnv::BrickVolume>& volume);
   void start_decoder(const qnv::StreamHeader& header);
   void end_requests();
@@ -68,6 +72,8 @@ class GeometryHandler final : public ResourceHandler {
   void show_more();
   void read_bytes();
   void read_whole(std::span<const std::byte> bytes, const std::string& path);
+  /// Shows streamed SOG, of which views read the levels. Returns false if it is read as a whole.
+  bool start_splat_levels(const ContentType& type, std::span<const std::byte> bytes);
   /// Opens a volume and shows its coarsest version.
   void read_volume(const ContentType& type, const GeometryFile& file);
   /// Shows the vectors of a volume as a mesh. Returns false if no mesh was requested, or on failure.
@@ -90,6 +96,7 @@ class GeometryHandler final : public ResourceHandler {
   Show show_;
   bool notes_datasets_ = false;
   ShowMesh show_mesh_;  // null if vectors are shown as volumes only
+  std::function<ResourceUpdates::Place()> place_;  // null if all versions come before the end
   Progress progress_;
   Way way_ = Way::unknown;
   Share decoded_;

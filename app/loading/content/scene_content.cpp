@@ -133,6 +133,7 @@ class VectorContent final : public SceneContent {
         [this](const std::shared_ptr<const qnv::Geometry>& geometry) { show(geometry); });
     geometry_->begin(target.found());
     if (target.is_root()) geometry_->note_datasets();
+    geometry_->show_later_at([this] { return ResourceUpdates::Place{target_.scene(), node_}; });
     geometry_->show_flow_by([this](MeshAsset mesh) { show_mesh(std::move(mesh)); });
   }
 

@@ -153,8 +153,7 @@ void NetworkTransfers::take(Fetch& fetch, net::LoadEvent& event) {
 }
 
 void NetworkTransfers::cancel_stream(std::uint64_t row) {
-  for (const auto& stream : streams_)
-    if (stream->row() == row) stream->cancel();
+  for (const auto& stream : streams_) stream->cancel_row(row);
 }
 
 bool NetworkTransfers::step_streams() {
@@ -252,7 +251,7 @@ void NetworkTransfers::take_rest(Fetch& fetch) {
     sink.end = [&fetcher, &fetch](const std::optional<std::string>& problem) { fetcher.finish(fetch, problem); };
     sink.read_on = [this, &fetch] { ask(fetch, {{fetch.received, *fetch.total}}); };
   }
-  streams_.push_back(std::make_unique<RangedStream>(loader(), std::move(feed), std::move(place), std::move(sink)));
+  streams_.push_back(std::make_shared<RangedStream>(loader(), std::move(feed), std::move(place), std::move(sink)));
   if (!leaves) return;
   fetch.handler->leave_to_feed();
   loading_.fetcher.leave_to_views(fetch);

@@ -5,6 +5,7 @@
 #include "qnv/base/triangles.h"
 #include "qnv/codecs/shared/spill_store.h"
 #include "qnv/codecs/shared/stream_sink.h"
+#include "qnv/codecs/shared/triangle_source.h"
 #include "qnv/container/container.h"
 
 #include <glm/vec2.hpp>
@@ -12,17 +13,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 namespace gs::qnv {
-
-/// Function that passes all triangles of a surface to a sink. Each call passes the same triangles in the same order.
-/// Returns false if reading failed or the sink returned false.
-using TriangleSource = std::function<bool(const TriangleSink&)>;
 
 /// Surface with a texture. Its triangles are the original ones; they were not subdivided to carry texture colours at
 /// their corners.
@@ -62,10 +58,12 @@ struct EncodeOptions {
   const TexturedSurface* textured = nullptr;  // displaced: source of the exact tail, or null; must outlive the call
   ValueTolerance tolerance;                   // values
   int splat_steps = 0;                        // gaussians: log2 of a factor of the errors, in eighths; -32 to 32
-  SpillStore* spill = nullptr;                // values: holds the clusters; null means memory; must outlive the call
+  SpillStore* spill = nullptr;                // values: holds the clusters; null means memory; must outlive the call.
+                                              // Surfaces: passes data between `ranks`
   StreamSink* sink = nullptr;                 // values: takes the stream, which then has no bytes in memory; or null
-  Ranks* ranks = nullptr;                     // values: processes that encode together, with a common `spill`; null
-                                              // means this process alone
+  Ranks* ranks = nullptr;                     // processes that encode together, with a common `spill` and the same
+                                              // source; null means this process alone. Values and surfaces in runs;
+                                              // only rank 0 gets the stream of a surface
   std::optional<double> parity;               // loss of chunks that parity restores, 0 to 0.5; nullopt: as the codec
                                               // chooses. Displaced surfaces and values; others ignore it
   glm::dvec3 origin{0};                       // origin of triangles (Description::origin); vectors have their own

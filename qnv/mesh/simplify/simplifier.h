@@ -4,6 +4,7 @@
 #include "qnv/mesh/simplify/cost_queue.h"
 #include "qnv/mesh/simplify/linked_triangles.h"
 #include "qnv/mesh/simplify/quadric.h"
+#include "qnv/mesh/simplify/simplify.h"
 
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
@@ -94,7 +95,8 @@ class Simplifier {
 
 /// Returns a mesh with several times `wanted` triangles. Simplifies `parts` parts in parallel; `parts` is a power of
 /// two and at most 64. Geometry that two parts share stays unchanged. The result does not depend on the number of
-/// threads.
-[[nodiscard]] SurfaceMesh thinned(const SurfaceMesh& mesh, std::size_t wanted, std::size_t parts, unsigned threads);
+/// threads or ranks. Each rank simplifies some parts; other ranks than 0 return an empty mesh.
+[[nodiscard]] SurfaceMesh thinned(const SurfaceMesh& mesh, std::size_t wanted, std::size_t parts, unsigned threads,
+                                  const SimplifyRanks& ranks = {});
 
 }  // namespace gs::qnv::displaced

@@ -4,10 +4,12 @@
 #include "qnv/mesh/simplify/simplify.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <utility>
+#include <cstring>
+#include <span>
 #include <vector>
 
 // First simplification of large meshes, in parts and in parallel. The division into parts depends only on the mesh, so
@@ -20,11 +22,10 @@ constexpr std::size_t kPartTriangles = 100'000, kMaxParts = 64;
 // because borders of parts stay unchanged here.
 constexpr std::size_t kKept = 4;
 
+/// Simplified part of a mesh.
 struct Part {
-  std::vector<std::uint32_t> vertices;  // original index of each vertex
-  SurfaceMesh mesh;  // the part; later its simplified version
-  std::vector<bool> kept;  // marks vertices that other parts share
-  std::vector<std::uint32_t> places;  // new index of each vertex; kNone if removed
+  SurfaceMesh mesh;
+  std::vector<std::array<std::uint32_t, 2>> kept;  // vertices that other parts share: index here, and in the whole mesh
 };
 
 /// Sorts triangles into runs that are spatially compact. `parts` is the number of runs, a power of two.
@@ -54,9 +55,45 @@ std::vector<std::uint32_t> in_runs(const SurfaceMesh& mesh, std::size_t parts, u
   return runs;
 }
 
+template <class T>
+void put(std::vector<std::byte>& bytes, const std::vector<T>& values) {
+  const auto size = static_cast<std::uint64_t>(values.size());
+  const auto head = std::as_bytes(std::span(&size, 1)), rest = std::as_bytes(std::span(values));
+  bytes.insert(bytes.end(), head.begin(), head.end());
+  bytes.insert(bytes.end(), rest.begin(), rest.end());
+}
+
+template <class T>
+void get(std::span<const std::byte>& bytes, std::vector<T>& values) {
+  std::uint64_t size = 0;
+  std::memcpy(&size, bytes.data(), sizeof size);
+  values.resize(static_cast<std::size_t>(size));
+  if (size > 0) std::memcpy(values.data(), bytes.data() + sizeof size, values.size() * sizeof(T));
+  bytes = bytes.subspan(sizeof size + values.size() * sizeof(T));
+}
+
+/// Passes the simplified parts `first` to `end` of this rank to rank 0, which fills all other parts.
+void pass_parts(const SimplifyRanks& ranks, std::vector<Part>& parts, std::size_t first, std::size_t end) {
+  std::vector<std::byte> own;
+  for (std::size_t p = first; p < end; ++p) {
+    put(own, parts[p].kept);
+    put(own, parts[p].mesh.positions);
+    put(own, parts[p].mesh.triangles);
+  }
+  const std::vector<std::byte> all = ranks.gather(own);
+  if (ranks.rank != 0) return;
+  std::span<const std::byte> rest(all);
+  for (Part& part : parts) {
+    get(rest, part.kept);
+    get(rest, part.mesh.positions);
+    get(rest, part.mesh.triangles);
+  }
+}
+
 }  // namespace
 
-SurfaceMesh thinned(const SurfaceMesh& mesh, std::size_t wanted, std::size_t count, unsigned threads) {
+SurfaceMesh thinned(const SurfaceMesh& mesh, std::size_t wanted, std::size_t count, unsigned threads,
+                    const SimplifyRanks& ranks) {
   const std::vector<std::uint32_t> runs = in_runs(mesh, count, threads);
   const auto first_of = [&](std::size_t part) { return runs.size() * part / count; };
   // Index of each vertex's part; `count` if several parts share the vertex.
@@ -66,41 +103,44 @@ SurfaceMesh thinned(const SurfaceMesh& mesh, std::size_t wanted, std::size_t cou
       for (const std::uint32_t v : mesh.triangles[runs[i]])
         owner[v] = static_cast<std::uint8_t>(owner[v] == 0xff || owner[v] == p ? p : count);
   std::vector<Part> parts(count);
-  parallel_for(
-      count,
-      [&](std::size_t p) {
-        Part& part = parts[p];
-        std::vector<std::uint32_t> sorted(runs.begin() + static_cast<std::ptrdiff_t>(first_of(p)),
-                                          runs.begin() + static_cast<std::ptrdiff_t>(first_of(p + 1)));
-        std::sort(sorted.begin(), sorted.end());
-        std::vector<std::uint32_t> here(mesh.positions.size(), kNone);
-        for (const std::uint32_t t : sorted) {
-          Corners corners;
-          for (std::size_t k = 0; k < 3; ++k) {
-            const std::uint32_t v = mesh.triangles[t][k];
-            if (here[v] == kNone) {
-              here[v] = static_cast<std::uint32_t>(part.vertices.size());
-              part.vertices.push_back(v);
-              part.mesh.positions.push_back(mesh.positions[v]);
-              part.kept.push_back(owner[v] == count);
-            }
-            corners[k] = here[v];
-          }
-          part.mesh.triangles.push_back(corners);
+  const std::size_t first = count * ranks.rank / ranks.count, end = count * (ranks.rank + 1) / ranks.count;
+  const auto simplify_part = [&](std::size_t i) {
+    const std::size_t p = first + i;
+    std::vector<std::uint32_t> sorted(runs.begin() + static_cast<std::ptrdiff_t>(first_of(p)),
+                                      runs.begin() + static_cast<std::ptrdiff_t>(first_of(p + 1)));
+    std::sort(sorted.begin(), sorted.end());
+    std::vector<std::uint32_t> here(mesh.positions.size(), kNone), vertices, places;
+    std::vector<bool> kept;
+    SurfaceMesh part;
+    for (const std::uint32_t t : sorted) {
+      Corners corners;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t v = mesh.triangles[t][k];
+        if (here[v] == kNone) {
+          here[v] = static_cast<std::uint32_t>(vertices.size());
+          vertices.push_back(v);
+          part.positions.push_back(mesh.positions[v]);
+          kept.push_back(owner[v] == count);
         }
-        const std::size_t share = wanted * part.mesh.triangles.size() / mesh.triangles.size();
-        Simplifier simplifier(part.mesh, part.kept);
-        simplifier.thin(std::max<std::size_t>(share, 1), kKept * share);
-        part.mesh = simplifier.result(part.mesh, part.places);
-      },
-      threads);
+        corners[k] = here[v];
+      }
+      part.triangles.push_back(corners);
+    }
+    const std::size_t share = wanted * part.triangles.size() / mesh.triangles.size();
+    Simplifier simplifier(part, kept);
+    simplifier.thin(std::max<std::size_t>(share, 1), kKept * share);
+    parts[p].mesh = simplifier.result(part, places);
+    for (std::size_t v = 0; v < vertices.size(); ++v)
+      if (kept[v] && places[v] != kNone) parts[p].kept.push_back({places[v], vertices[v]});
+  };
+  parallel_for(end - first, simplify_part, threads);
+  if (ranks.count > 1) pass_parts(ranks, parts, first, end);
+  if (ranks.rank != 0) return {};
   SurfaceMesh out;
   std::vector<std::uint32_t> joined(mesh.positions.size(), kNone);  // new index of each shared vertex
   for (const Part& part : parts) {
     std::vector<std::uint32_t> places(part.mesh.positions.size(), kNone);
-    for (std::size_t v = 0; v < part.vertices.size(); ++v) {
-      const std::uint32_t at = part.places[v], whole = part.vertices[v];
-      if (!part.kept[v] || at == kNone) continue;
+    for (const auto& [at, whole] : part.kept) {
       if (joined[whole] == kNone) {
         joined[whole] = static_cast<std::uint32_t>(out.positions.size());
         out.positions.push_back(mesh.positions[whole]);
@@ -118,10 +158,11 @@ SurfaceMesh thinned(const SurfaceMesh& mesh, std::size_t wanted, std::size_t cou
 }
 
 SurfaceMesh simplify(const SurfaceMesh& mesh, std::size_t triangles, unsigned threads,
-                     const std::function<void()>& beside) {
+                     const std::function<void()>& beside, const SimplifyRanks& ranks) {
   const bool large = mesh.triangles.size() >= 2 * kPartTriangles && mesh.triangles.size() / (2 * kKept) >= triangles;
   const std::size_t parts = std::min(kMaxParts, std::bit_floor(mesh.triangles.size() / kPartTriangles));
-  const SurfaceMesh thin = large ? thinned(mesh, triangles, parts, threads) : SurfaceMesh();
+  const SurfaceMesh thin = large ? thinned(mesh, triangles, parts, threads, ranks) : SurfaceMesh();
+  if (ranks.rank != 0) return {};
   const SurfaceMesh& from = large ? thin : mesh;
   SurfaceMesh out;
   const auto work = [&](std::size_t i) {

@@ -8,6 +8,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <array>
 #include <bit>
 #include <cstring>
 #include <random>
@@ -171,6 +172,43 @@ TEST_CASE("returns the triangles of a binary PLY as in its world") {
       if (open_mesh_stream(mesh_bytes(prefix))) CHECK(triangles_of_stream(prefix).size() <= 4);
     }
   }
+}
+
+TEST_CASE("reads the runs of a large mesh in any order") {
+  const std::size_t run = MeshStream::kRunFaces, faces = run + 1000;
+  // A PLY of triangles alone, and one with a face of four corners, which has to be searched for the second run.
+  const auto ply = [&](bool equal) {
+    std::string text =
+        "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+        "property float z\nelement face " +
+        std::to_string(faces) + "\nproperty list uchar uchar vertex_indices\nend_header\n";
+    for (const float number : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f}) put_number(text, number);
+    for (std::size_t i = 0; i < faces; ++i) {
+      const auto least = static_cast<char>(i % 2);
+      const bool four = !equal && i == 5;
+      text += {static_cast<char>(four ? 4 : 3), least, static_cast<char>(least + 1), static_cast<char>(least + 2)};
+      if (four) text += static_cast<char>(3 - least);
+    }
+    return text;
+  };
+  for (const std::string& text : {binary_stl(faces, 0), ply(true), ply(false)}) {
+    const MeshTriangles all = triangles_of_stream(text);
+    const auto stream = open_mesh_stream(mesh_bytes(text));
+    REQUIRE(stream->source.runs() == 2);
+    std::array<MeshTriangles, 2> runs;
+    for (const std::size_t k : {1u, 0u})
+      REQUIRE(stream->source.read(k, [&](std::span<const qnv::Triangle> some) {
+        runs[k].insert(runs[k].end(), some.begin(), some.end());
+        return true;
+      }));
+    CHECK(runs[1].size() == 1000);
+    runs[0].insert(runs[0].end(), runs[1].begin(), runs[1].end());
+    check_same_triangles(runs[0], all);
+  }
+  // The size of this file suits triangles only, but it has others.
+  std::string text = ply(true);
+  text[text.size() - 4] = 2;
+  CHECK_FALSE(open_mesh_stream(mesh_bytes(text))->source([](std::span<const qnv::Triangle>) { return true; }));
 }
 
 TEST_CASE("rejects files that are no mesh of ordered triangles") {

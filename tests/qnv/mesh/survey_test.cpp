@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include <limits>
+#include <span>
 
 namespace gs::qnv::survey_test {
 
@@ -27,6 +28,31 @@ TEST_CASE("gives a surface without area the colour of its first corner") {
                        triangle_of(glm::vec3(0), glm::vec3(1), glm::vec3(2), {9, 9, 9})});
   CHECK(survey.colored);
   CHECK(survey.mean_color() == Rgb8{1, 2, 3});
+}
+
+TEST_CASE("adds the statistics of parts of a surface") {
+  const Triangles ball = sphere(8, 2, {1, 2, 3}, true);
+  SurfaceSurvey whole, parts, empty;
+  whole.add(ball);
+  for (const std::size_t first : {std::size_t{0}, ball.size() / 3}) {
+    SurfaceSurvey part;
+    part.add(std::span(ball).subspan(first, first == 0 ? ball.size() / 3 : ball.size() - first));
+    parts.add(part);
+    parts.add(empty);
+  }
+  CHECK(parts.triangles == whole.triangles);
+  CHECK(parts.box.lower == whole.box.lower);
+  CHECK(parts.box.upper == whole.box.upper);
+  CHECK(parts.area == Approx(whole.area));
+  CHECK(parts.volume == Approx(whole.volume));
+  CHECK(parts.colored);
+  CHECK(parts.color == whole.color);
+  // Two parts of one colour each have two colours together.
+  SurfaceSurvey red, blue;
+  red.add(Triangles{triangle_of({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {255, 0, 0})});
+  blue.add(Triangles{triangle_of({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 255})});
+  red.add(blue);
+  CHECK(red.colored);
 }
 
 }  // namespace gs::qnv::survey_test

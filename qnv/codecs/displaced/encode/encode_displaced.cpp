@@ -8,6 +8,7 @@
 #include "qnv/codecs/lossless/encode/tail_cover.h"
 #include "qnv/codecs/progressive/encode/progressive_stream.h"
 #include "qnv/codecs/shared/encode_options.h"
+#include "qnv/codecs/shared/shared_records.h"
 #include "qnv/codecs/shared/stream_writer.h"
 #include "qnv/codecs/shared/surface_header.h"
 #include "qnv/container/piece_group.h"
@@ -242,42 +243,58 @@ SurfaceStages received_stages(const StreamHeader& header, std::span<const Outgoi
   return stages;
 }
 
-/// Thins a surface that exceeds the memory limit, and encodes the result.
-std::variant<EncodedStream, EncodeError> encode_thinned(const TriangleSource& source, const EncodeOptions& options,
+std::variant<EncodedStream, EncodeError> encode_with_ranks(EncodeRanks& shared, const TriangleSource& source,
+                                                           const EncodeOptions& options, Progress* progress);
+
+/// Thins a surface that exceeds the memory limit, and encodes the result. Collective.
+std::variant<EncodedStream, EncodeError> encode_thinned(EncodeRanks& shared, const TriangleSource& source,
+                                                        const SurfaceSurvey& survey, const EncodeOptions& options,
                                                         Progress* progress) {
   if (options.exact_bits > 0)
     return EncodeError{"the exact mesh has more than " + std::to_string(options.most_triangles) +
                        " triangles, which exceed the memory limit; expected a smaller mesh, or a larger --memory"};
-  auto thinned = thin_surface(source, options.most_triangles, progress);
+  auto thinned = thin_surface(shared, source, survey, options.most_triangles, progress);
   if (auto* error = std::get_if<EncodeError>(&thinned)) return std::move(*error);
   EncodeOptions rest = options;
   rest.most_triangles = 0;
   rest.exact_bits = 0;
-  auto encoded = encode_displaced(std::get<ThinnedSurface>(thinned).source(), rest, progress);
+  auto encoded = encode_with_ranks(shared, std::get<ThinnedSurface>(thinned).source(), rest, progress);
   if (auto* stream = std::get_if<EncodedStream>(&encoded)) stream->thinned = true;
   return encoded;
 }
 
-}  // namespace
-
-std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& source, const EncodeOptions& options,
-                                                          Progress* progress) {
+/// Encodes a surface. Only rank 0 returns the stream; other ranks may return while rank 0 still encodes.
+std::variant<EncodedStream, EncodeError> encode_with_ranks(EncodeRanks& shared, const TriangleSource& source,
+                                                           const EncodeOptions& options, Progress* progress) {
   if (progress) progress->stage = "reading";
   SurfaceSurvey s;
+  // A source in runs probably exceeds memory. Counts its triangles before storing any.
+  const bool surveyed = source.runs() > 1;
+  if (surveyed) {
+    auto survey = survey_of(shared, source, progress);
+    if (auto* failed = std::get_if<EncodeError>(&survey)) return std::move(*failed);
+    s = std::get<SurfaceSurvey>(survey);
+    if (options.most_triangles != 0 && s.triangles > options.most_triangles)
+      return encode_thinned(shared, source, s, options, progress);
+  }
   displaced::MeshBuilder builder(true);
   bool too_many = false;
   TrianglePipeline joined([&](std::span<const Triangle> triangles) { builder.add(triangles); }, options.threads);
   const bool read = source([&](std::span<const Triangle> triangles) {
-    s.add(triangles);
+    if (!surveyed) s.add(triangles);
     too_many = options.most_triangles != 0 && s.triangles > options.most_triangles;
     return !too_many && joined.put(triangles) && !is_cancelled(progress);
   });
   joined.finish();
   if (too_many) {
     builder = displaced::MeshBuilder(true);  // releases the builder's memory
-    return encode_thinned(source, options, progress);
+    auto survey = survey_of(shared, source, progress);
+    if (auto* failed = std::get_if<EncodeError>(&survey)) return std::move(*failed);
+    return encode_thinned(shared, source, std::get<SurfaceSurvey>(survey), options, progress);
   }
-  if (!read) return EncodeError{is_cancelled(progress) ? "cancelled" : "the surface cannot be read"};
+  std::optional<EncodeError> problem;
+  if (!read) problem = EncodeError{is_cancelled(progress) ? "cancelled" : kUnreadable};
+  if (auto failed = shared.agree(problem)) return std::move(*failed);
   if (!s.sound()) return EncodeError{"no surface to encode; expected triangles with an area"};
   if (progress) progress->stage = "joining";
   const displaced::Frame frame(s.box);
@@ -303,9 +320,12 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   std::optional<displaced::Target> made;
   const displaced::SplitMesh parts = displaced::split_components(mesh, kMinPart);
   const displaced::SurfaceMesh& body = parts.large.triangles.empty() ? parts.small : parts.large;
-  const displaced::SurfaceMesh coarse =
-      displaced::simplify(body, std::min(kCoarseTriangles, body.triangles.size()), options.threads,
-                          [&] { made.emplace(mesh, std::exchange(neighbours, {}), options.threads); });
+  const displaced::SimplifyRanks together{shared.rank(), shared.count(),
+                                          [&](std::span<const std::byte> own) { return shared.ranks().gather(own); }};
+  const displaced::SurfaceMesh coarse = displaced::simplify(
+      body, std::min(kCoarseTriangles, body.triangles.size()), options.threads,
+      [&] { made.emplace(mesh, std::exchange(neighbours, {}), options.threads); }, together);
+  if (shared.rank() != 0) return EncodedStream{};
   const displaced::Target& target = *made;
   if (is_cancelled(progress)) return EncodeError{"cancelled"};
   StreamHeader header = surface_header(Payload::displaced, s, options);
@@ -425,6 +445,14 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
       if (static_cast<int>(i) == last || (!exact && static_cast<int>(i) > last))
         std::ranges::move(sent.parity[i], std::back_inserter(chunks));
   return write_stream(std::move(header), std::move(chunks), options.max_bytes, equal_protection(options));
+}
+
+}  // namespace
+
+std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& source, const EncodeOptions& options,
+                                                          Progress* progress) {
+  EncodeRanks shared(options);
+  return result_of_first(shared, encode_with_ranks(shared, source, options, progress));
 }
 
 }  // namespace gs::qnv

@@ -3,6 +3,8 @@
 #include "base/parallel.h"
 #include "qnv/base/description.h"
 #include "qnv/codecs/shared/encode_options.h"
+#include "qnv/codecs/shared/shared_records.h"
+#include "qnv/mesh/survey.h"
 
 #include <glm/vec3.hpp>
 
@@ -27,9 +29,11 @@ struct ThinnedSurface {
 /// Reduces a surface that is too large for memory to at most `most` triangles, and close to that number. Merges all
 /// corners in a grid cell into one vertex. Edges stay sharp, because the vertex is at the position nearest to the
 /// planes of the triangles (P. Lindstrom, Out-of-core simplification of large polygonal models, 2000). Details smaller
-/// than a cell vanish. Reads the source three to six times without storing it. Needs about 130 bytes per triangle of
-/// `most`. Deterministic.
-[[nodiscard]] std::variant<ThinnedSurface, EncodeError> thin_surface(const TriangleSource& source, std::size_t most,
+/// than a cell vanish. Usually reads the source twice without storing it. Needs about 160 bytes per triangle of `most`.
+/// Deterministic: does not depend on the order of the triangles. All ranks share the reading, and get the result.
+/// `survey` describes the whole source. Collective.
+[[nodiscard]] std::variant<ThinnedSurface, EncodeError> thin_surface(EncodeRanks& shared, const TriangleSource& source,
+                                                                     const SurfaceSurvey& survey, std::size_t most,
                                                                      Progress* progress = nullptr);
 
 }  // namespace gs::qnv

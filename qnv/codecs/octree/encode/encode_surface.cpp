@@ -5,6 +5,7 @@
 #include "qnv/codecs/octree/packed.h"
 #include "qnv/codecs/records/encode/encode_vectors.h"
 #include "qnv/codecs/shared/encode_options.h"
+#include "qnv/codecs/shared/shared_records.h"
 #include "qnv/codecs/shared/stream_writer.h"
 #include "qnv/codecs/shared/surface_header.h"
 #include "qnv/mesh/survey.h"
@@ -26,13 +27,6 @@ constexpr double kMinBitsPerVector = 3.5;
 
 // Size of the octree before an exact mesh: the mesh's bytes divided by kBeforeMesh, but at least kMinBeforeMesh bytes.
 constexpr std::size_t kBeforeMesh = 2, kMinBeforeMesh = 4000;
-
-bool survey(const TriangleSource& source, SurfaceSurvey& out, Progress* progress) {
-  return source([&](std::span<const Triangle> triangles) {
-    out.add(triangles);
-    return !is_cancelled(progress);
-  });
-}
 
 int level_for(double vectors, const SurfaceSurvey& s, const Cube& cube) {
   const double faces = s.area / (static_cast<double>(cube.edge) * cube.edge);
@@ -134,13 +128,41 @@ bool append_mesh(const TriangleSource& source, const SurfaceSurvey& s, const Enc
   return true;
 }
 
-/// Encodes a surface with the payload `packed` or `records`.
+/// Returns the voxels of a surface at a level. Ranks cut their shares of the triangles. Rank 0 gets the voxels.
+std::variant<std::vector<Voxel>, EncodeError> cut_voxels(EncodeRanks& shared, const TriangleSource& source,
+                                                         const SurfaceSurvey& s, const Cube& cube, int level,
+                                                         unsigned threads, Progress* progress) {
+  if (progress) {
+    progress->stage = "cutting";
+    progress->done = 0;
+    progress->total = s.triangles / shared.count();
+  }
+  SurfaceVoxelizer voxelizer(cube, level, threads);
+  auto problem = read_share(
+      shared, source,
+      [&](std::span<const Triangle> triangles) {
+        voxelizer.add(triangles);
+        if (progress) progress->done += triangles.size();
+        return true;
+      },
+      progress);
+  if (problem) {
+    if (problem->message == kUnreadable) problem->message += " again";
+    return std::move(*problem);
+  }
+  auto merged = merged_records(shared, voxelizer.sums(), false);
+  if (auto* failed = std::get_if<EncodeError>(&merged)) return std::move(*failed);
+  return voxels_of(std::get<std::vector<VoxelSums>>(merged));
+}
+
+/// Encodes a surface with the payload `packed` or `records`. Only rank 0 returns the stream.
 std::variant<EncodedStream, EncodeError> encode_as(Payload payload, const TriangleSource& source,
                                                    const EncodeOptions& options, Progress* progress) {
   if (progress) progress->stage = "reading";
-  SurfaceSurvey s;
-  if (!survey(source, s, progress))
-    return EncodeError{is_cancelled(progress) ? "cancelled" : "the surface cannot be read"};
+  EncodeRanks shared(options);
+  auto surveyed = survey_of(shared, source, progress);
+  if (auto* failed = std::get_if<EncodeError>(&surveyed)) return std::move(*failed);
+  const SurfaceSurvey& s = std::get<SurfaceSurvey>(surveyed);
   if (!s.sound()) return EncodeError{"no surface to encode; expected triangles with an area"};
   std::size_t vectors = options.vectors;
   if (vectors == 0)
@@ -151,19 +173,10 @@ std::variant<EncodedStream, EncodeError> encode_as(Payload payload, const Triang
   // Without a requested number or size, uses all voxels of a slightly coarser level.
   const bool asked = options.vectors != 0 || options.max_bytes != 0;
   const int level = level_for(static_cast<double>(vectors) * (asked ? 1.0 : 0.5), s, header.cube);
-  if (progress) {
-    progress->stage = "cutting";
-    progress->done = 0;
-    progress->total = s.triangles;
-  }
-  SurfaceVoxelizer voxelizer(header.cube, level, options.threads);
-  const bool read = source([&](std::span<const Triangle> triangles) {
-    voxelizer.add(triangles);
-    if (progress) progress->done += triangles.size();
-    return !is_cancelled(progress);
-  });
-  if (!read) return EncodeError{is_cancelled(progress) ? "cancelled" : "the surface cannot be read again"};
-  std::vector<Voxel> voxels = voxelizer.finish();
+  auto cut = cut_voxels(shared, source, s, header.cube, level, options.threads, progress);
+  if (auto* failed = std::get_if<EncodeError>(&cut)) return std::move(*failed);
+  if (shared.rank() != 0) return EncodedStream{};
+  std::vector<Voxel> voxels = std::move(std::get<std::vector<Voxel>>(cut));
   if (progress) {
     progress->stage = "encoding";
     progress->done = progress->total = 0;
@@ -191,12 +204,14 @@ std::variant<EncodedStream, EncodeError> encode_as(Payload payload, const Triang
 
 std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& source, const EncodeOptions& options,
                                                         Progress* progress) {
-  return encode_as(Payload::packed, source, options, progress);
+  EncodeRanks shared(options);
+  return result_of_first(shared, encode_as(Payload::packed, source, options, progress));
 }
 
 std::variant<EncodedStream, EncodeError> encode_surface_records(const TriangleSource& source,
                                                                 const EncodeOptions& options, Progress* progress) {
-  return encode_as(Payload::records, source, options, progress);
+  EncodeRanks shared(options);
+  return result_of_first(shared, encode_as(Payload::records, source, options, progress));
 }
 
 }  // namespace gs::qnv

@@ -1,17 +1,15 @@
 #include "qnv/codecs/shared/ranks.h"
 #include "qnv/codecs/values/encode/values_stream.h"
 #include "qnv/codecs/values/slices/slice_transform.h"
+#include "tests/qnv/thread_ranks.h"
 #include "tests/qnv/volume_sources.h"
 
 #include <catch2/catch.hpp>
 
 #include <algorithm>
-#include <barrier>
 #include <cmath>
 #include <initializer_list>
-#include <map>
 #include <memory>
-#include <mutex>
 #include <random>
 #include <string>
 #include <thread>
@@ -20,106 +18,9 @@
 namespace gs::qnv {
 namespace shared_encode_test {
 
-/// Memory that several ranks share: gathered bytes, their stores, the results of finished work, and the stream.
-struct SharedState {
-  explicit SharedState(std::uint32_t count) : gathered(count), stores(count), barrier(count) {}
-
-  std::vector<std::vector<std::byte>> gathered;
-  std::vector<MemoryStore> stores;
-  std::barrier<> barrier;
-  std::mutex mutex;
-  std::map<std::string, std::vector<std::byte>, std::less<>> finished;
-  std::size_t restored = 0;  // number of results that were found
-  std::vector<std::byte> stream;
-};
-
-class ThreadRanks final : public Ranks {
- public:
-  ThreadRanks(SharedState& state, std::uint32_t rank) : state_(state), rank_(rank) {}
-  std::uint32_t rank() const override { return rank_; }
-  std::uint32_t count() const override { return static_cast<std::uint32_t>(state_.gathered.size()); }
-  std::vector<std::byte> gather(std::span<const std::byte> own) override {
-    state_.gathered[rank_].assign(own.begin(), own.end());
-    state_.barrier.arrive_and_wait();
-    std::vector<std::byte> all;
-    for (const auto& one : state_.gathered) all.insert(all.end(), one.begin(), one.end());
-    state_.barrier.arrive_and_wait();
-    return all;
-  }
-
- private:
-  SharedState& state_;
-  std::uint32_t rank_;
-};
-
-/// Store of one rank that reads those of all. The rank is in the high bits of an offset.
-class RankStore final : public SpillStore {
- public:
-  RankStore(SharedState& state, std::uint32_t rank) : state_(state), rank_(rank) {}
-  bool append(std::span<const std::byte> bytes) override {
-    const std::lock_guard lock(state_.mutex);
-    if (fails_at != 0 && state_.stores[rank_].size() + bytes.size() > fails_at) return false;
-    return state_.stores[rank_].append(bytes);
-  }
-  std::uint64_t size() const override {
-    const std::lock_guard lock(state_.mutex);
-    return (std::uint64_t{rank_} << kBits) + state_.stores[rank_].size();
-  }
-  bool read(std::uint64_t offset, std::span<std::byte> to) const override {
-    const std::lock_guard lock(state_.mutex);
-    const std::uint64_t mask = (std::uint64_t{1} << kBits) - 1;
-    return state_.stores[static_cast<std::size_t>(offset >> kBits)].read(offset & mask, to);
-  }
-  std::optional<std::vector<std::byte>> finished(std::string_view work) const override {
-    const std::lock_guard lock(state_.mutex);
-    const auto found = state_.finished.find(work);
-    if (found == state_.finished.end()) return std::nullopt;
-    ++state_.restored;
-    return found->second;
-  }
-  bool finish(std::string_view work, std::uint64_t, std::span<const std::byte> result) override {
-    const std::lock_guard lock(state_.mutex);
-    state_.finished.emplace(work, std::vector<std::byte>(result.begin(), result.end()));
-    return true;
-  }
-  std::uint64_t fails_at = 0;  // 0 means never
-
- private:
-  static constexpr int kBits = 40;
-  SharedState& state_;
-  std::uint32_t rank_;
-};
-
-/// Part of a stream that one rank writes.
-class RankSink final : public StreamSink {
- public:
-  explicit RankSink(SharedState& state) : state_(state) {}
-  bool write(std::span<const std::byte> bytes) override {
-    put(at_, bytes);
-    return skip(bytes.size());
-  }
-  bool rewrite_front(std::span<const std::byte> bytes) override {
-    put(0, bytes);
-    return true;
-  }
-  bool skip(std::uint64_t bytes) override {
-    at_ += bytes;
-    return true;
-  }
-
- private:
-  void put(std::uint64_t at, std::span<const std::byte> bytes) {
-    const std::lock_guard lock(state_.mutex);
-    if (state_.stream.size() < at + bytes.size()) state_.stream.resize(at + bytes.size());
-    std::ranges::copy(bytes, state_.stream.begin() + static_cast<std::ptrdiff_t>(at));
-  }
-  SharedState& state_;
-  std::uint64_t at_ = 0;
-};
-
 using Result = std::variant<EncodedStream, EncodeError>;
 
-std::vector<Result> encode_with(SharedState& state, const VolumeSource& volume, const EncodeOptions& options,
+std::vector<Result> encode_with(SharedMemory& state, const VolumeSource& volume, const EncodeOptions& options,
                                 std::uint64_t last_fails_at = 0) {
   const std::size_t count = state.stores.size();
   std::vector<Result> results(count, EncodeError{"not run"});
@@ -178,7 +79,7 @@ void check_equal(const VolumeSource& volume, const EncodeOptions& options,
   const std::vector<std::byte> alone = encode_alone(volume, options);
   for (const std::uint32_t count : counts) {
     INFO(count << " ranks");
-    SharedState state(count);
+    SharedMemory state(count);
     for (const Result& result : encode_with(state, volume, options)) {
       REQUIRE(std::holds_alternative<EncodedStream>(result));
       CHECK(std::get<EncodedStream>(result).size() == alone.size());
@@ -229,7 +130,7 @@ TEST_CASE("shared encoding: Components and time series have the same bytes, too"
 TEST_CASE("shared encoding: A later run uses the rows that an earlier run has finished") {
   const VolumeSource volume = integers(40, 33, 150);
   const std::vector<std::byte> alone = encode_alone(volume, {});
-  SharedState first(3);
+  SharedMemory first(3);
   (void)encode_with(first, volume, {});
   REQUIRE(first.finished.size() > 5);
   CHECK(first.restored == 0);
@@ -247,14 +148,14 @@ TEST_CASE("shared encoding: A later run uses the rows that an earlier run has fi
 
 TEST_CASE("shared encoding: All ranks report the error of one") {
   const VolumeSource volume = integers(40, 33, 150);
-  SharedState state(3);
+  SharedMemory state(3);
   for (const Result& result : encode_with(state, volume, {}, 3000)) {
     REQUIRE(std::holds_alternative<EncodeError>(result));
     CHECK_THAT(std::get<EncodeError>(result).message, Catch::Contains("cannot keep the clusters"));
   }
   VolumeSource broken = integers(40, 33, 150);
   broken.read = [read = broken.read](std::uint32_t z, std::span<std::byte> to) { return z != 120 && read(z, to); };
-  SharedState other(4);
+  SharedMemory other(4);
   for (const Result& result : encode_with(other, broken, {})) {
     REQUIRE(std::holds_alternative<EncodeError>(result));
     CHECK_THAT(std::get<EncodeError>(result).message, Catch::Contains("slice 120"));

@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <random>
+#include <span>
 #include <vector>
 
 namespace gs::qnv::displaced::simplify_test {
@@ -87,6 +88,26 @@ TEST_CASE("simplifies a mesh in parts without cracks on any number of threads") 
       CHECK(thin.triangles.size() < mesh.triangles.size() * 3 / 4);
       CHECK(thin.triangles.size() > 750);  // four times the requested number, within rounding
     }
+}
+
+TEST_CASE("simplifies the parts of a mesh with any number of ranks") {
+  const SurfaceMesh mesh = mesh_of(torus(60, 30));
+  const SurfaceMesh alone = thinned(mesh, 200, 8, 1);
+  for (const std::uint32_t count : {2u, 3u, 11u}) {
+    std::vector<std::vector<std::byte>> parts(count);
+    // Other ranks go first, so that rank 0 finds their parts.
+    for (std::uint32_t rank = count; rank-- > 0;) {
+      const SimplifyRanks ranks{rank, count, [&](std::span<const std::byte> own) {
+                                  parts[rank].assign(own.begin(), own.end());
+                                  std::vector<std::byte> all;
+                                  for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
+                                  return all;
+                                }};
+      const SurfaceMesh thin = thinned(mesh, 200, 8, 1, ranks);
+      CHECK(thin.triangles == (rank == 0 ? alone.triangles : std::vector<Corners>{}));
+      CHECK(thin.positions == (rank == 0 ? alone.positions : std::vector<glm::vec3>{}));
+    }
+  }
 }
 
 TEST_CASE("sorts edge costs in order, equal ones by insertion") {

@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 #include <glm/geometric.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -19,8 +20,16 @@ using namespace gs::qnv;
 
 namespace {
 
+std::variant<ThinnedSurface, EncodeError> thin(const Triangles& triangles, std::size_t most,
+                                               Progress* progress = nullptr) {
+  EncodeRanks alone{EncodeOptions{}};
+  SurfaceSurvey survey;
+  survey.add(triangles);
+  return thin_surface(alone, source_of(triangles), survey, most, progress);
+}
+
 ThinnedSurface thinned(const Triangles& triangles, std::size_t most) {
-  auto result = thin_surface(source_of(triangles), most);
+  auto result = thin(triangles, most);
   if (const auto* error = std::get_if<EncodeError>(&result)) FAIL(error->message);
   return std::get<ThinnedSurface>(std::move(result));
 }
@@ -70,6 +79,33 @@ TEST_CASE("thins a surface to the requested triangles, and keeps its position an
   }
 }
 
+TEST_CASE("thins a surface equally if its triangles come in another order") {
+  Triangles ball = sphere(60, 2, {10, 0, 0}, true);
+  SurfaceSurvey survey;
+  survey.add(ball);
+  EncodeRanks alone{EncodeOptions{}};
+  const auto first = thin_surface(alone, source_of(ball), survey, 3'000);
+  std::reverse(ball.begin(), ball.end());
+  const auto second = thin_surface(alone, source_of(ball), survey, 3'000);
+  const auto &surface = std::get<ThinnedSurface>(first), &other = std::get<ThinnedSurface>(second);
+  CHECK(other.triangles == surface.triangles);
+  CHECK(other.positions == surface.positions);
+  CHECK(other.colors == surface.colors);
+}
+
+TEST_CASE("thins rough and folded surfaces to nearly the requested triangles") {
+  // A ball of dust has far more area than a smooth surface of its cells.
+  const Triangles dust = random_triangles(60'000, 0.02f, 3);
+  const ThinnedSurface surface = thinned(dust, 5'000);
+  CHECK(surface.triangles.size() <= 5'000);
+  const Triangles ball = sphere(120);
+  for (const std::size_t most : {500u, 5'000u, 15'000u}) {
+    const std::size_t triangles = thinned(ball, most).triangles.size();
+    CHECK(triangles <= most);
+    CHECK(triangles > most / 2);
+  }
+}
+
 TEST_CASE("keeps edges and corners of a thinned box sharp") {
   const ThinnedSurface surface = thinned(box_shape({0, 0, 0}, {4, 3, 2}, 60), 3'000);
   CHECK(open_sides(surface) == 0);
@@ -93,10 +129,10 @@ TEST_CASE("ignores invalid triangles and reports a surface that cannot be simpli
   triangles.push_back(triangle_of({0, 0, 0}, {0, 0, 0}, {0, 1, 0}));
   CHECK(thinned(triangles, 1000).triangles == sound.triangles);
   CHECK(thinned(triangles, 1).triangles.size() <= 1);
-  CHECK(std::holds_alternative<EncodeError>(thin_surface(source_of({}), 1000)));
+  CHECK(std::holds_alternative<EncodeError>(thin({}, 1000)));
   Progress progress;
   progress.cancelled = true;
-  CHECK(std::get<EncodeError>(thin_surface(source_of(triangles), 1000, &progress)).message == "cancelled");
+  CHECK(std::get<EncodeError>(thin(triangles, 1000, &progress)).message == "cancelled");
 }
 
 TEST_CASE("encodes a surface that exceeds the memory as one of fewer triangles") {
