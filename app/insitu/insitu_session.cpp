@@ -1,13 +1,13 @@
 #include "app/insitu/insitu_session.h"
 
+#include "app/insitu/bricks/thread_time.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <utility>
-
-#include <time.h>
 
 namespace gs::app::insitu {
 namespace {
@@ -24,12 +24,6 @@ struct OpenResult {
   std::uint32_t failed = 0;
   std::array<char, 252> message{};
 };
-
-double thread_seconds() {
-  timespec used{};
-  (void)::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &used);
-  return static_cast<double>(used.tv_sec) + static_cast<double>(used.tv_nsec) * 1e-9;
-}
 
 template <class View>
 PartFacts facts_of_parts(const std::vector<View>& parts) {

@@ -1,5 +1,7 @@
 #include "app/insitu/bricks/brick_shelf.h"
 
+#include "app/insitu/bricks/thread_time.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -85,10 +87,10 @@ net::HeldContent BrickShelf::chunk_content(std::unique_lock<std::mutex>& lock, c
     at->grid.received.erase(received);
   }
   lock.unlock();
-  const Clock::time_point begun = Clock::now();
+  const double begun = thread_seconds();
   if (values.empty()) read(chunk, values);
   std::string bytes = encode_chunk(values, rounding);
-  share_.charge(std::chrono::duration<double>(Clock::now() - begun).count(), bytes.size());
+  share_.charge(thread_seconds() - begun, bytes.size());
   lock.lock();
   if (Slot* const slot = find(serial)) {
     encoded_bytes_ += bytes.size();

@@ -46,12 +46,12 @@ class BrickShelf : NonCopyable {
  public:
   using Clock = std::chrono::steady_clock;
   static constexpr std::size_t kMaxSteps = 2;
-  static constexpr std::size_t kMaxEncodedBytes = std::size_t{8} << 20;
+  static constexpr std::size_t kMaxEncodedBytes = std::size_t{4} << 20;
 
   /// Limits of the work for viewers. Both functions are called by the server's thread.
   struct Share {
     std::function<bool()> permits;                                  // reports whether a chunk may be encoded now
-    std::function<void(double seconds, std::size_t bytes)> charge;  // receives the cost of an encoded chunk
+    std::function<void(double seconds, std::size_t bytes)> charge;  // receives the processor time of an encoded chunk
   };
   explicit BrickShelf(Share share) : share_(std::move(share)) {}
 

@@ -102,7 +102,8 @@ bool Follower::is_live(const std::string& path) const {
 }
 
 double Follower::least_wait(const std::string& path) const {
-  return is_on_server(path) && !is_live(path) ? kLeastWaitForServers : kLeastWait;
+  if (is_live(path)) return kLeastWaitForLive;
+  return is_on_server(path) ? kLeastWaitForServers : kLeastWait;
 }
 
 double Follower::most_wait(const std::string& path) const {
