@@ -67,6 +67,7 @@ std::variant<SessionOptions, std::string> session_options(const gs_insitu_option
   result.folder = text_or(options.folder, "");
   result.bind = text_or(options.bind, "127.0.0.1");
   result.token_file = text_or(options.token_file, "");
+  result.live_file = text_or(options.live_file, "");
   result.field = text_or(options.field, "");
   result.serve = options.serve != 0;
   result.background = options.background != 0;
@@ -105,6 +106,7 @@ std::variant<std::unique_ptr<InSituSession>, std::string> InSituSession::open(
                                      options.port,
                                      options.bind,
                                      options.token_file,
+                                     options.live_file,
                                      options.title,
                                      {[session = made.get()] { return session->share_permits(); },
                                       [session = made.get()](double seconds, std::size_t bytes) {

@@ -29,7 +29,7 @@ namespace gs::app::insitu {
 
 /// Options of a session, as C++ values.
 struct SessionOptions {
-  std::string title = "simulation", folder, bind = "127.0.0.1", token_file, field;
+  std::string title = "simulation", folder, bind = "127.0.0.1", token_file, live_file, field;
   bool serve = false, background = false, thin = false;
   std::uint16_t port = 0;
   double error = 0, relative_error = 0.001, max_share = 0;

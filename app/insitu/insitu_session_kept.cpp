@@ -31,6 +31,7 @@ StepPlan InSituSession::make_plan(std::span<const RankFacts> all) {
   const std::uint64_t most =
       options_.thin && !wishes.keep ? pace_.affordable_bytes(steps_ - 1, now(), own()) : UINT64_MAX;
   wishes.max_memory = std::min(options_.max_memory, most);
+  wishes.max_records = options_.max_memory;
   return plan_step(all, wishes);
 }
 

@@ -2,6 +2,7 @@
 
 #include "app/insitu/value_colors.h"
 #include "net/control/control_token.h"
+#include "net/control/live_file.h"
 #include "net/files/file.h"
 
 #include <algorithm>
@@ -111,6 +112,7 @@ std::variant<std::unique_ptr<Publisher>, std::string> Publisher::start(Publisher
 Publisher::~Publisher() {
   server_.reset();
   if (!token_file_.empty()) (void)::unlink(token_file_.c_str());
+  if (has_live_file_) (void)::unlink(options_.live_file.c_str());
 }
 
 std::optional<std::string> Publisher::start_server() {
@@ -127,8 +129,8 @@ std::optional<std::string> Publisher::start_server() {
     const std::lock_guard lock(mutex_);
     return net::FolderPage{"model/vrml", world_};
   };
-  http.content = [this](const std::string& path) {
-    net::HeldContent held = shelf_.content(path);
+  http.content = [this](const net::ContentRequest& request) {
+    net::HeldContent held = shelf_.content(request.path);
     if (held.state != net::HeldContent::State::none) note_viewer();
     return held;
   };
@@ -142,7 +144,8 @@ std::optional<std::string> Publisher::start_server() {
   auto started = net::HttpServer::start(std::move(http));
   if (auto* problem = std::get_if<net::HttpServerError>(&started)) return std::move(problem->message);
   server_ = std::move(std::get<std::unique_ptr<net::HttpServer>>(started));
-  return write_token(server_->port());
+  if (auto problem = write_token(server_->port())) return problem;
+  return write_address(server_->port());
 }
 
 std::optional<std::string> Publisher::write_token(std::uint16_t port) {
@@ -157,6 +160,13 @@ std::optional<std::string> Publisher::write_token(std::uint16_t port) {
   }
   token_file_ = path;
   return std::nullopt;
+}
+
+std::optional<std::string> Publisher::write_address(std::uint16_t port) {
+  if (options_.live_file.empty()) return std::nullopt;
+  auto problem = net::write_live_file(options_.live_file, {net::name_of_machine(), options_.bind, port, token_});
+  has_live_file_ = !problem;
+  return problem;
 }
 
 std::string Publisher::json() const {

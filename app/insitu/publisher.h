@@ -28,7 +28,7 @@ struct PublisherOptions {
   std::string folder;  // for all streams; if empty, a temporary folder keeps the newest streams
   bool serve = false;
   std::uint16_t port = 0;
-  std::string bind, token_file, title;
+  std::string bind, token_file, live_file, title;
   BrickShelf::Share share;  // of the server's thread; the functions must outlive the publisher
 };
 
@@ -62,6 +62,7 @@ class Publisher : NonCopyable {
       : options_(std::move(options)), parameters_(parameters), shelf_(options_.share) {}
   [[nodiscard]] std::optional<std::string> start_server();
   [[nodiscard]] std::optional<std::string> write_token(std::uint16_t port);
+  [[nodiscard]] std::optional<std::string> write_address(std::uint16_t port);
   [[nodiscard]] std::string json() const;
   [[nodiscard]] net::PostAnswer post(const net::PostRequest& request);
   void note_viewer();
@@ -73,6 +74,7 @@ class Publisher : NonCopyable {
   net::LockedFolder temporary_;
   std::string folder_;  // with a slash at the end
   std::string token_, token_file_;
+  bool has_live_file_ = false;
 
   mutable std::mutex mutex_;  // guards the members up to `kept_`
   std::string world_;

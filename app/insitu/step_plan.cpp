@@ -114,6 +114,7 @@ std::array<std::uint32_t, 3> grid_size(const GridFacts& grid, bool of_cells, std
 
 StepPlan plan_step(std::span<const RankFacts> ranks, const PlanWishes& wishes) {
   StepPlan plan;
+  plan.max_memory = wishes.max_records;
   plan_grid(ranks, wishes, plan);
   std::array<double, 3> low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
   const auto widen = [&](const PartFacts& part) {
@@ -136,6 +137,13 @@ StepPlan plan_step(std::span<const RankFacts> ranks, const PlanWishes& wishes) {
   }
   if (const PartFacts* const particles = first_with(ranks, &RankFacts::particles)) {
     plan.has_particles = 1;
+    std::uint64_t count = 0;
+    for (const RankFacts& rank : ranks) count += std::min(rank.particles.count, UINT64_MAX / 64 / ranks.size());
+    // Each rank rounds its number up.
+    const std::uint64_t most = wishes.max_records / sizeof(ParticlePoint);
+    const std::uint64_t room = most > ranks.size() ? most - ranks.size() : 1;
+    plan.particle_stride =
+        static_cast<std::uint32_t>(std::clamp<std::uint64_t>((count + room - 1) / room, 1, UINT32_MAX));
     plan.particle_field = chosen_field(*particles, wishes.field);
   }
   return plan;

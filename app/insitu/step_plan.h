@@ -37,6 +37,12 @@ struct GridFacts {
   friend bool operator==(const GridFacts&, const GridFacts&) = default;
 };
 
+/// Particle as rank 0 collects it, with its position relative to StepPlan::origin.
+struct ParticlePoint {
+  std::array<float, 3> position{};
+  float value = 0;  // NaN without a field
+};
+
 /// Description of the data that a rank passed in a step.
 struct RankFacts {
   PartFacts blocks, cells, particles;
@@ -58,6 +64,8 @@ struct StepPlan {
   FieldFacts kept_field;
   std::array<double, 3> origin{};  // subtracted from positions before they become float32
   double radius = 0;
+  std::uint64_t max_memory = UINT64_MAX;  // for the triangles of cells, or the particles, on rank 0
+  std::uint32_t particle_stride = 1;      // every n-th particle of each rank is sent
 };
 
 [[nodiscard]] FieldFacts facts_of(const FieldView& view);
@@ -69,12 +77,13 @@ struct StepPlan {
 
 /// Requests of rank 0 for plans.
 struct PlanWishes {
-  bool all_fields = false;  // true for all fields of grids, false for `field` only
-  std::string field;        // empty or unknown means the first field
-  std::uint64_t max_memory = 0;
-  bool keep = false;         // lets ranks keep a large grid for requests, instead of sending it
-  double kept_bytes = 2;     // memory of a kept value
-  std::uint64_t serial = 0;  // for StepPlan::serial
+  bool all_fields = false;                 // true for all fields of grids, false for `field` only
+  std::string field;                       // empty or unknown means the first field
+  std::uint64_t max_memory = 0;            // for grids
+  std::uint64_t max_records = UINT64_MAX;  // bytes of the triangles of cells, or of particles
+  bool keep = false;                       // lets ranks keep a large grid for requests, instead of sending it
+  double kept_bytes = 2;                   // memory of a kept value
+  std::uint64_t serial = 0;                // for StepPlan::serial
 };
 /// Maximum number of points of a grid that rank 0 collects although PlanWishes::keep is set, because it is encoded as
 /// quickly as requests are answered.

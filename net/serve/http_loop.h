@@ -70,6 +70,7 @@ class HttpLoop : NonCopyable {
     std::size_t lane = 0;
     std::string key;
     Instant until{};
+    ContentRequest content = {};
   };
 
   void run();

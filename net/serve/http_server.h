@@ -50,6 +50,11 @@ struct PostAnswer {
   std::string message;  // body of the answer, for users
 };
 
+/// Request for content that does not exist in the folder.
+struct ContentRequest {
+  std::string path;    // decoded, such as "a/b.bin"; ends with '/' if the request names a folder
+  std::string within;  // path of the folder that the requesting document may read, as received; empty means no limit
+};
 /// Content that the program makes while the request waits (HttpServerOptions::content).
 struct HeldContent {
   enum class State : std::uint8_t { none, waiting, ready };
@@ -95,9 +100,8 @@ struct HttpServerOptions {
   std::function<FolderPage(const FolderListing& listing, const FolderRequest& request)> list;
   /// Returns a page for a name that does not exist. Returns nullopt for status 404. May be empty.
   std::function<std::optional<FolderPage>(const std::string& name, const FolderRequest& request)> missing;
-  /// Returns the content of a path that does not exist in the folder, such as "a/b.bin". Called on the server's thread
-  /// before `missing`; may be empty.
-  std::function<HeldContent(const std::string& path)> content;
+  /// Returns content that does not exist in the folder. Called on the server's thread before `missing`; may be empty.
+  std::function<HeldContent(const ContentRequest& request)> content;
   std::chrono::milliseconds content_wait{20'000};  // maximum wait for content; then retry
   /// Answers a POST request. Called on the server's thread; must check the client's rights. Empty means status 405.
   std::function<PostAnswer(const PostRequest& request)> post;

@@ -49,11 +49,12 @@ struct HttpAnswer {
 /// Lane of requests that wait for HttpServerOptions::content.
 inline constexpr std::size_t kContentLane = std::numeric_limits<std::size_t>::max();
 /// Result if a file must be made first. Repeat the request when the key no longer waits. After `wait`, repeat it with
-/// `waited_long`. In the lane kContentLane, the key is the path of the content.
+/// `waited_long`. In the lane kContentLane, `content` replaces the key.
 struct WaitForMade {
   std::size_t lane = 0;
   std::string key;
   std::chrono::milliseconds wait{};
+  ContentRequest content = {};
 };
 
 /// Makes the responses for a folder over HTTP, without sockets. One thread.

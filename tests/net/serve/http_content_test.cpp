@@ -21,8 +21,8 @@ struct ContentServer {
     HttpServerOptions options;
     options.folder = folder.path("");
     options.content_wait = wait;
-    options.content = [this](const std::string& path) -> HeldContent {
-      if (path != "a b/c") return {};
+    options.content = [this](const ContentRequest& request) -> HeldContent {
+      if (request.path != "a b/c" && request.path != "a b/") return {};
       if (!ready) return {State::waiting, {}, {}};
       return {State::ready, "text/x-test", "content"};
     };
@@ -50,6 +50,7 @@ TEST_CASE("a request waits for content that the program makes") {
   CHECK(got.body == "content");
   CHECK(got.headers.at("content-type") == "text/x-test");
   CHECK(fetch(made.server->port(), "/a%20b/c", {"If-None-Match: " + got.headers.at("etag")}).status == 304);
+  CHECK(fetch(made.server->port(), "/a%20b/").body == "content");
   CHECK(fetch(made.server->port(), "/a%20b/d").status == 404);
 }
 
