@@ -11,6 +11,7 @@
 #include "app/loading/fetch/loading.h"
 #include "app/loading/listing/bucket_list.h"
 #include "app/loading/listing/folder_choice.h"
+#include "app/loading/updates/live_data.h"
 #include "net/files/standard_input.h"
 #include "net/serve/served_folder.h"
 
@@ -87,7 +88,7 @@ WorldLoading::State::State(const std::string& path, const LoadOptions& options)
 
 void WorldLoading::State::start() {
   const std::string& asked_path = loading.results.path();
-  const net::Url asked = net::parse_url(asked_path);
+  const net::Url asked = net::parse_url(live_address(asked_path));
   auto first = std::make_unique<Fetch>();
   if (asked.scheme.empty() || asked.scheme == "file") {
     std::string path = asked.scheme.empty() ? asked_path : net::path_of_url(asked);

@@ -150,13 +150,15 @@ void GeometryHandler::read_volume(const ContentType& type, const GeometryFile& f
   Diagnostics diagnostics;
   auto source = open_volume_source(type, file, diagnostics, loading_.budget);
   const bool is_array = source && file.origin.component.by_view && start_array(*source);
-  if (source && file.origin.component.by_view && !is_array) {
+  if (source && file.origin.component.by_view && !is_array && is_large(*source)) {
     // Read as a whole, the finest level of an image may be too large.
     GeometryFile whole = file;
     whole.origin.component.by_view = false;
     if (!source->coarser.empty()) source = open_volume_source(type, whole, diagnostics, loading_.budget);
   }
   for (Diagnostic one : diagnostics.entries()) {
+    // Users cannot choose the datasets of nodes.
+    if (one.severity == Severity::note && is_node()) continue;
     if (one.file == file.path) one.file = found_.path;  // not that of a temporary file
     loading_.results.diagnostics().add(std::move(one));
   }
@@ -191,11 +193,15 @@ void GeometryHandler::read_more() {
     (void)show_next_version();
 }
 
-bool GeometryHandler::start_array(qnv::VolumeSource& source) {
+bool GeometryHandler::is_large(const qnv::VolumeSource& source) const {
   // Smaller volumes are quickly read as a whole. Those in containers on servers take a request per chunk.
   constexpr std::uint64_t kLocalVoxels = std::uint64_t{1} << 28, kServedVoxels = std::uint64_t{1} << 24;
+  return qnv::voxel_count(source.layout) >= (found_.local ? kLocalVoxels : kServedVoxels);
+}
+
+bool GeometryHandler::start_array(qnv::VolumeSource& source) {
   constexpr std::uint64_t kFirstVoxels = std::uint64_t{1} << 20;
-  if (qnv::voxel_count(source.layout) < (found_.local ? kLocalVoxels : kServedVoxels)) return false;
+  if (!is_large(source)) return false;
   array_trouble_ = source.trouble;
   // Drawing has the time limit of loading, too, and needs some of it itself.
   constexpr double kPartOfLimit = 0.6;

@@ -207,12 +207,13 @@ class ZarrFile::Finder {
       for (ZarrLevel& level : image.levels) {
         const auto place = tidy_path(zarr_path(path, level.path));
         level.path = place ? "/" + *place : std::string();
-        if (place) waiting_.push_back({*place, NodeKind::level});
+        if (place && !seen_.contains(*place)) waiting_.push_back({*place, NodeKind::level});
       }
       std::erase_if(image.levels, [](const ZarrLevel& level) { return level.path.empty(); });
       if (image.levels.empty()) continue;
       file_.images_.push_back(std::move(image));
-      waiting_.push_back({zarr_path(path, "labels"), NodeKind::labels});
+      // Consolidated metadata list all nodes, also the labels.
+      if (!listed) waiting_.push_back({zarr_path(path, "labels"), NodeKind::labels});
       listed = true;
     }
     listed = add_named(path, node) || listed;
