@@ -105,10 +105,10 @@ GaussianSurvey survey(std::span<const GaussianItem> items, const SplatView& view
   result.splats = share * static_cast<double>(found.splats.size());
   const auto width = static_cast<float>(view.width), height = static_cast<float>(view.height);
   for (const GaussianSplat& splat : found.splats) {
-    const auto extent = [](float middle, float reach, float size) {
-      return static_cast<double>(std::min(middle + reach, size) - std::max(middle - reach, 0.0f)) + 1;
+    const auto extent = [](float least, float most, float size) {
+      return static_cast<double>(std::min(most, size) - std::max(least, 0.0f)) + 1;
     };
-    result.pixels += share * extent(splat.x, splat.reach_x, width) * extent(splat.y, splat.reach_y, height);
+    result.pixels += share * extent(splat.left, splat.right, width) * extent(splat.bottom, splat.top, height);
   }
   return result;
 }
