@@ -105,8 +105,8 @@ GaussianSurvey survey(std::span<const GaussianItem> items, const SplatView& view
   result.splats = share * static_cast<double>(found.splats.size());
   const auto width = static_cast<float>(view.width), height = static_cast<float>(view.height);
   for (const GaussianSplat& splat : found.splats) {
-    const auto extent = [](float from, float to, float size) {
-      return static_cast<double>(std::min(to, size) - std::max(from, 0.0f)) + 1;
+    const auto extent = [](float least, float most, float size) {
+      return static_cast<double>(std::min(most, size) - std::max(least, 0.0f)) + 1;
     };
     result.pixels += share * extent(splat.left, splat.right, width) * extent(splat.bottom, splat.top, height);
   }

@@ -10,7 +10,7 @@ namespace gs::qnv::gaussians {
 namespace {
 
 /// Chunk that may come next.
-struct Candidate {
+struct ChunkCandidate {
   double use = 0;
   std::uint32_t parent = 0;  // identifier
   std::uint32_t record = 0;
@@ -93,8 +93,8 @@ void OrderedChunks::find_order(std::size_t most_vectors) {
   std::vector<std::uint32_t> ends(starts.begin(), starts.end() - 1);
   for (std::uint32_t i = 0; i < count; ++i)
     if (records_[i].parent < count) children[ends[records_[i].parent]++] = i;
-  std::vector<Candidate> heap;  // the most useful one is first
-  const auto less = [&](const Candidate& a, const Candidate& b) {
+  std::vector<ChunkCandidate> heap;  // the most useful one is first
+  const auto less = [&](const ChunkCandidate& a, const ChunkCandidate& b) {
     const ChunkRecord &p = records_[a.record], &q = records_[b.record];
     if (a.use != b.use) return a.use < b.use;
     if (a.parent != b.parent) return a.parent > b.parent;

@@ -15,7 +15,7 @@ namespace {
 // Coded bytes of harmonics at which a chunk ends. One Gaussian adds less than the difference to kMostClusterBytes.
 constexpr std::size_t kHarmonicsEnd = 900;
 // Merged Gaussians with so few leaves have no harmonics of their own, because those of the leaves are more useful.
-constexpr std::uint32_t kFewLeaves = 16;
+constexpr std::uint32_t kFewHarmonicLeaves = 16;
 // Weight of errors by missing harmonics relative to errors of shapes and colours, by measurement.
 constexpr double kGain = 0.5;
 
@@ -73,7 +73,7 @@ std::vector<EncodedHarmonics> encode_harmonics(const EncodedCluster& cluster, co
         const std::uint32_t place = cluster.places[all[last]], parent = cluster.parents[all[last]];
         const auto own = means.of(place);
         std::array<std::array<int, 3>, harmonic_count(Gaussians::kMaxDegree)> codes{};
-        if (leaves || tree[place].leaves > kFewLeaves) {
+        if (leaves || tree[place].leaves > kFewHarmonicLeaves) {
           const double step = harmonic_step(cluster.nodes[all[last]], precision);
           for (std::size_t k = 0; k < own.size(); ++k) codes[k] = color_code(own[k], step);
           const bool root = parent == MergedNode::kNone;

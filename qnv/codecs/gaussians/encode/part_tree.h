@@ -27,7 +27,7 @@ struct StoredTree {
 
 /// Nodes at the top of the trees of a part.
 struct PartTop {
-  Forest forest;                      // nodes whose children are missing are outside
+  Forest forest;                      // nodes without children in it are outside
   std::vector<std::uint32_t> places;  // of the nodes in the trees of the part
   Gaussians leaves;                   // splats of the nodes that are leaves
   std::vector<glm::vec3> harmonics;   // of the nodes
