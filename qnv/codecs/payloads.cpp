@@ -150,7 +150,7 @@ constexpr std::array<PayloadRow, 7> kRows = {{
      types({ChunkType::values, ChunkType::gaps, ChunkType::remainders, ChunkType::labels}), 0, 0, 0, choose_values,
      encode_volume_values, make_volume_decoder},
     {Payload::gaussians, "gaussians", PayloadReader::vectors, RequestOrder::visible_first, nullptr,
-     types({ChunkType::gaussians, ChunkType::harmonics}), 0, 0, 0, choose_gaussians, encode_splats,
+     types({ChunkType::gaussians, ChunkType::harmonics, ChunkType::coarse_harmonics}), 0, 0, 0, choose_gaussians, encode_splats,
      make_gaussians_decoder},
 }};
 

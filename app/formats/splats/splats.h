@@ -128,6 +128,9 @@ using ImportedVectors = std::variant<qnv::Splats, qnv::Gaussians, std::string>;
 /// or those of the coordinate system extension.
 [[nodiscard]] ImportedVectors import_splats_spz(std::span<const std::byte> bytes,
                                                 const WorldBudget& budget = own_budget());
+/// Reads SPZ into `model`. Returns a message on failure. Safe for untrusted input; memory is charged to the budget.
+[[nodiscard]] std::optional<std::string> read_spz_model(std::span<const std::byte> bytes, const WorldBudget& budget,
+                                                        SplatModel& model);
 /// Returns true if the data begin with "NGSP". Decompresses the start of gzip data to check that.
 [[nodiscard]] bool is_splats_spz(std::span<const std::byte> bytes);
 

@@ -231,14 +231,18 @@ bool is_splats_spz(std::span<const std::byte> bytes) {
   return bytes.size() >= 4 && load_little<std::uint32_t>(bytes.data()) == kSpzMagic;
 }
 
-ImportedVectors import_splats_spz(std::span<const std::byte> bytes, const WorldBudget& budget) {
-  SplatModel model;
+std::optional<std::string> read_spz_model(std::span<const std::byte> bytes, const WorldBudget& budget,
+                                          SplatModel& model) {
   model.format = "SPZ";
   model.axes = kFromRightUpBack;
-  auto problem = is_gzip(bytes)         ? read_gzip(bytes, model, budget)
-                 : is_splats_spz(bytes) ? read_version4(bytes, model, budget)
-                                        : std::optional<std::string>("not an SPZ file: expected NGSP or gzip data");
-  if (problem) return std::move(*problem);
+  return is_gzip(bytes)         ? read_gzip(bytes, model, budget)
+         : is_splats_spz(bytes) ? read_version4(bytes, model, budget)
+                                : std::optional<std::string>("not an SPZ file: expected NGSP or gzip data");
+}
+
+ImportedVectors import_splats_spz(std::span<const std::byte> bytes, const WorldBudget& budget) {
+  SplatModel model;
+  if (auto problem = read_spz_model(bytes, budget, model)) return std::move(*problem);
   return import_result(model);
 }
 

@@ -97,7 +97,10 @@ void SplatLevels::choose() {
   chosen_ = true;
   const SogLevels& levels = source_.levels;
   base_ = coarsest_sog_runs(levels, unreadable_);
-  SogRefinement refined = sog_runs_in_view(levels, unreadable_, views_, origin_, most_);
+  // While the user moves, views accept larger errors. The files for the view at rest are read all the same.
+  std::vector<qnv::LodView> views = views_;
+  for (qnv::LodView& view : views) view.error_pixels = std::min(view.error_pixels, 1.0f);
+  SogRefinement refined = sog_runs_in_view(levels, unreadable_, views, origin_, most_);
   target_ = std::move(refined.choice);
   drop_unwanted();
   wanted_.clear();

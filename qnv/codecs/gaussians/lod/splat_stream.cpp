@@ -25,7 +25,7 @@ Gaussians WholeSplats::decode(std::size_t most) const {
   for (const auto& place : chunks_) {
     const auto chunk = read_chunk(*source_, place.offset, place.bytes, buffer);
     const auto* sound = std::get_if<SoundChunk>(&chunk);
-    if (sound && sound->type == place.type) decoder->add(sound->type, sound->payload, {});
+    if (sound && is_harmonics(sound->type) == is_harmonics(place.type)) decoder->add(sound->type, sound->payload, {});
   }
   Geometry all = decoder->geometry({header_.description, header_.color});
   return std::move(*all.as<Gaussians>());

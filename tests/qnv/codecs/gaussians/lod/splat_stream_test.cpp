@@ -283,6 +283,27 @@ TEST_CASE("Gaussians of chunks in any order give the same cut") {
   }
 }
 
+TEST_CASE("coarse Gaussians of a cut have the harmonics that were received") {
+  const EncodedStream stream = encoded_cloud(6000, 2);
+  bool coarse = false;
+  for (const std::size_t bytes : {9'000u, 25'000u, 60'000u, 120'000u}) {
+    const std::span<const std::byte> part =
+        std::span(stream.bytes).first(std::min<std::size_t>(bytes, stream.bytes.size()));
+    const Gaussians expected = decoded(part);
+    coarse = coarse || (expected.degree == 2 && expected.size() < 6000);
+    const Stream splats = opened(SplatStream::open(part));
+    CHECK(sorted_numbers(gathered(splats->cut(closest_view()))) == sorted_numbers(expected));
+    // Chunks one by one, with cuts between them.
+    const Stream growing = opened(SplatStream::begin(part.first(1000)));
+    for (std::size_t at = 1000; at < part.size(); at += 4000) {
+      growing->push(part.subspan(at, std::min<std::size_t>(4000, part.size() - at)));
+      (void)growing->cut(closest_view());
+    }
+    CHECK(sorted_numbers(gathered(growing->cut(closest_view()))) == sorted_numbers(expected));
+  }
+  CHECK(coarse);
+}
+
 TEST_CASE("parity restores lost chunks of Gaussians in a cut") {
   EncodeOptions options;
   options.parity = 0.3;
