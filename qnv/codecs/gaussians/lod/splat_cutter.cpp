@@ -36,7 +36,7 @@ float distance_to(const Box& box, const glm::vec3& p) {
   return std::sqrt(glm::dot(d, d));
 }
 
-// Returns the bounds of Gaussians whose box was clipped by that of the stream, which bounds only their centres.
+// Enlarges a box along the faces at which that of the stream clips it. The box of the stream bounds only centres.
 Box unclipped(Box box, float reach, const Box& stream) {
   const glm::vec3 margin = stream.size() * 1e-4f;
   for (int i = 0; i < 3; ++i) {
