@@ -90,7 +90,7 @@ GaussianSurvey survey(std::span<const GaussianItem> items, const SplatView& view
   auto item = items.begin();
   for (std::size_t block = 0; block < blocks; ++block) {
     std::size_t at = block * (total / blocks);
-    const std::size_t end = blocks < kSurveyedBlocks && block + 1 == blocks ? total : at + kSurveyedBlock;
+    const std::size_t end = blocks < kSurveyedBlocks && block + 1 == blocks ? total : at + std::min(kSurveyedBlock, total / blocks);
     for (; item != items.end() && before + item->count <= at; ++item) before += item->count;
     std::size_t own = before;
     for (auto part = item; part != items.end() && at < end; own += part->count, ++part) {
