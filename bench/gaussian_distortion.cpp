@@ -182,7 +182,8 @@ void save(const std::string& path, const render::Image& image) {
   out.write(reinterpret_cast<const char*>(image.pixels.data()), static_cast<std::streamsize>(image.pixels.size()));
 }
 
-bool measure(const std::string& file, const std::string& folder, std::vector<bench::PlotPanel>& panels) {
+bool measure(const std::string& file, const std::string& folder, const std::string& streamed,
+             std::vector<bench::PlotPanel>& panels) {
   const auto source = read(file);
   if (!source) return false;
   std::string name = std::filesystem::path(file).filename().string();
@@ -251,6 +252,12 @@ bool measure(const std::string& file, const std::string& folder, std::vector<ben
     if (sizes[i] > 0)
       std::printf("| %s | %zu | %.1f |\n", kCodecs[i], sizes[i],
                   8 * static_cast<double>(sizes[i]) / static_cast<double>(source->size()));
+  if (!streamed.empty())
+    for (const bench::SogPeer& level : bench::sog_levels_of(streamed)) {
+      const Measured error = error_of(level.gaussians);
+      std::printf("| streamed SOG, level of %zu splats, %.1f dB / %.3f | %zu | |\n", level.gaussians.size(),
+                  error.error.psnr, error.error.ssim, level.bytes);
+    }
   std::printf("\n");
   bench::print_curve_table(kCodecs, kBudgets, curves);
   std::printf("\n");
@@ -266,17 +273,20 @@ bool measure(const std::string& file, const std::string& folder, std::vector<ben
 }  // namespace
 
 int main(int count, char** arguments) {
-  std::string plot, folder;
+  std::string plot, folder, streamed;
   int first = 1;
   for (; first + 1 < count && arguments[first][0] == '-'; first += 2)
-    (std::strcmp(arguments[first], "--plot") == 0 ? plot : folder) = arguments[first + 1];
+    (std::strcmp(arguments[first], "--plot") == 0       ? plot
+     : std::strcmp(arguments[first], "--streamed") == 0 ? streamed
+                                                        : folder) = arguments[first + 1];
   if (first >= count) {
-    std::fprintf(stderr, "usage: gaussian_distortion [--plot FILE.svg] [--pictures FOLDER] FILE...\n");
+    std::fprintf(stderr,
+                 "usage: gaussian_distortion [--plot FILE.svg] [--pictures FOLDER] [--streamed FOLDER] FILE...\n");
     return 2;
   }
   std::vector<bench::PlotPanel> panels;
   for (int i = first; i < count; ++i)
-    if (!measure(arguments[i], folder, panels)) {
+    if (!measure(arguments[i], folder, streamed, panels)) {
       std::fprintf(stderr, "gaussian_distortion: %s has no Gaussian splats\n", arguments[i]);
       return 1;
     }

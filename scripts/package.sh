@@ -17,7 +17,7 @@ fi
 "$root/scripts/install-dependencies.sh" dpkg-dev file
 cd "$root"
 cmake --preset release >/dev/null
-cmake --build --preset release --target ghostspace desktop_files
+cmake --build --preset release --target ghostspace insitu_library desktop_files
 cpack --config build/release/CPackConfig.cmake >/dev/null
 package=$(find build/release/package -maxdepth 1 -name 'ghostspace_*.deb' -printf '%T@ %p\n' | sort -n | tail -1 | cut -d' ' -f2)
 

@@ -18,6 +18,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr std::size_t kMaxCounted = std::size_t{1} << 30;  // Gaussians
+
 /// Measurements of one fetch.
 struct Report {
   std::uint64_t bytes = 0, first_bytes = 0;
@@ -41,6 +43,8 @@ bool apply(const WorldLoading& loading) {
 bool shows(const render::RenderList& list) {
   return !list.items.empty() || std::any_of(list.splats.begin(), list.splats.end(), [](const render::SplatItem& item) {
     const auto* octree = item.geometry ? item.geometry->as<qnv::OctreeSplats>() : nullptr;
+    const auto* gaussians = item.geometry ? item.geometry->as<qnv::Gaussians>() : nullptr;
+    if (gaussians && gaussians->stream) return gaussians->stream->statistics().clusters > 0;
     return octree ? octree->stream->statistics().clusters > 0 : item.geometry && item.geometry->size() > 0;
   });
 }
@@ -48,7 +52,11 @@ bool shows(const render::RenderList& list) {
 void count(LoadedWorld& world, Report& report) {
   for (const auto& [node, geometry] : world.geometries) {
     const auto* octree = geometry->as<qnv::OctreeSplats>();
-    report.vectors += octree ? octree->stream->count() : geometry->size();
+    const auto* gaussians = geometry->as<qnv::Gaussians>();
+    if (gaussians && gaussians->stream)
+      report.vectors += gaussians->stream->whole().decode(kMaxCounted).size();
+    else
+      report.vectors += octree ? octree->stream->count() : geometry->size();
   }
   render::MeshCache meshes;
   const render::RenderList list = render::collect(*world.scene, world.images, meshes, {0, 0, 10}, world.geometries);

@@ -1,4 +1,5 @@
 #include "app/base/console.h"
+#include "app/base/temporary_file.h"
 #include "app/commands/common/picture_memory.h"
 #include "app/commands/common/picture_world.h"
 #include "app/commands/common/shared.h"
@@ -120,11 +121,11 @@ void limit_drawing(double timeout_seconds) {
 }
 
 /// Exits after the picture was written, without calling destructors. Destroying a large world and the driver would take
-/// a tenth of the total time. With leak checkers, destructors run. The loader is always destroyed, because it may own
-/// temporary files.
+/// a tenth of the total time. With leak checkers, destructors run. Temporary files are always removed.
 int leave(std::optional<WorldLoading>& loading, int status) {
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   loading.reset();
+  remove_temporary_files();
   (void)std::fflush(nullptr);
   std::_Exit(status);
 #else
@@ -198,11 +199,11 @@ int run_snapshot(const OpenCommand& given_options, const std::string& named) {
   const render::DrawOptions draw = picture_draw(options, simulation.look());
   const double unit = simulation.look().scale;
   // The camera is final only here. Levels of detail and billboards depend on it.
-  const render::RenderList& list = simulation.look_from(camera);
-  if (options.display != render::DisplayMode::surface && !has_faces(list))
+  const render::RenderList* list = &simulation.look_from(camera);
+  if (options.display != render::DisplayMode::surface && !has_faces(*list))
     complain("%s: warning: splats and volumes have no faces; --display has no effect", file.c_str());
   Diagnostics limits;
-  report_limits(list, limits);
+  report_limits(*list, limits);
   print_diagnostics(limits);
 
   release_lists(*simulation.world().scene);
@@ -218,27 +219,34 @@ int run_snapshot(const OpenCommand& given_options, const std::string& named) {
   render::FrameStatistics statistics;
   phases.enter(Phase::draw);
   ColorCount colors;
-  PictureScene scene{&list, camera, draw, unit, {}, measured};
+  PictureScene scene{list, camera, draw, unit, {}, measured};
   if (!options.stats.empty()) scene.over = [&](render::Image& band, int, const glm::ivec2&) { colors.add(band); };
   VolumeShow volume;
   const auto prepare = [&] {
-    scene.draw.splat_style.reading = volume.reading(options.volume, list);
+    scene.draw.splat_style.reading = volume.reading(options.volume, *list);
     // Streams that are larger than memory decode, and servers send, what the picture shows.
     limit_drawing(0);
-    receive_for_picture(*loading, simulation.world(), options.timeout_seconds, [&] {
-      limit_drawing(options.timeout_seconds);
-      (void)paint_image(renderer, scene, options.picture);
-      limit_drawing(0);
-    });
+    receive_for_picture(
+        *loading, simulation.world(), options.timeout_seconds,
+        [&] {
+          limit_drawing(options.timeout_seconds);
+          (void)paint_image(renderer, scene, options.picture);
+          limit_drawing(0);
+        },
+        [&](ResourceUpdates updates) {
+          print_diagnostics(updates.diagnostics);
+          simulation.arrive(std::move(updates));
+          scene.list = list = &simulation.look_from(camera);
+        });
     limit_drawing(options.timeout_seconds);
-    return volume.prepare(options.volume, file, list, simulation.world().color_key,
+    return volume.prepare(options.volume, file, *list, simulation.world().color_key,
                           std::make_shared<Budget>(options.limits));
   };
   if (const auto problem = prepare()) return fail(*problem);
   // The slices of such a stream have a place only now, and get finer values for it.
   const bool shows_values = !options.volume.slices.empty() || options.volume.display.needs_values();
-  if (shows_values && detail_revision(list) > 0) {
-    scene.draw.splat_style.reading = volume.reading(options.volume, list);
+  if (shows_values && detail_revision(*list) > 0) {
+    scene.draw.splat_style.reading = volume.reading(options.volume, *list);
     if (!loading->streaming()) (void)paint_image(renderer, scene, options.picture);
     if (const auto problem = prepare()) return fail(*problem);
   }
@@ -259,7 +267,7 @@ int run_snapshot(const OpenCommand& given_options, const std::string& named) {
     add_phases(phases, stats);
     const Clock::time_point again = Clock::now();
     (void)paint_image(renderer, scene, options.picture);
-    stats.put("bytes", simulation.world().bytes);
+    stats.put("bytes", simulation.world().received());
     stats.put("load_s", load_seconds);
     stats.put("first_image_s", first_image_seconds);
     stats.put("frame_s", seconds_since(again));

@@ -14,11 +14,15 @@
 #include "app/formats/volume/volume_common.h"
 #include "base/gzip.h"
 #include "base/text.h"
+#include "net/files/file.h"
 #include "qnv/codecs/payloads.h"
 #include "vrml/syntax/scene_reader.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace gs::app {
@@ -237,6 +241,19 @@ std::optional<std::string> refuse_first_bytes(std::string_view path, Bytes first
   const ContentType& type = content_type_of(path, first);
   if (text_of(first).starts_with(type.mark)) return std::nullopt;
   return "not in " + std::string(type.name) + " format; expected '" + std::string(type.mark) + "' as its first bytes";
+}
+
+std::string file_of_folder(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(path, error)) return {};
+  if (std::string zarr = zarr_entry_of_folder(path); !zarr.empty()) return zarr;
+  for (const char* const name : {"lod-meta.json", "meta.json"}) {
+    std::string file = (std::filesystem::path(path) / name).string();
+    const auto mapped = net::map_file(file);
+    const auto* const meta = std::get_if<net::MappedFile>(&mapped);
+    if (meta && (is_splats_sog(meta->bytes()) || is_splats_sog_levels(meta->bytes()))) return file;
+  }
+  return {};
 }
 
 std::vector<std::byte> first_bytes(Bytes bytes) {

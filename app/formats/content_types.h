@@ -36,6 +36,10 @@ namespace gs::app {
 /// Returns the first bytes of a file, enough to detect its type. Decompresses them if the file is gzip-compressed.
 [[nodiscard]] std::vector<std::byte> first_bytes(std::span<const std::byte> bytes);
 
+/// Returns the file through which a local folder is opened: a metadata file of Zarr, N5 or SOG. Returns an empty text
+/// for other folders and for files.
+[[nodiscard]] std::string file_of_folder(const std::string& path);
+
 /// Returns the list of types for help texts: "VRML97 (.wrl .wrz .vrml), PLY (.ply), ...".
 [[nodiscard]] std::string content_type_list();
 

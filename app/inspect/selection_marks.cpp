@@ -43,7 +43,8 @@ WideBox bounds_in(const render::RenderList& list, std::span<const NodeAt> nodes)
   return bounds;
 }
 
-std::vector<PixelLine> edges_of(const WideBox& box, const Pose& pose, const Viewport& viewport) {
+std::vector<PixelLine> edges_of(const WideBox& box, const Pose& pose, const Viewport& viewport,
+                                const glm::dmat4& world_from_box) {
   std::vector<PixelLine> lines;
   if (box.empty()) return lines;
   const glm::dquat viewer_from_world = glm::conjugate(glm::dquat(pose.orientation));
@@ -52,7 +53,7 @@ std::vector<PixelLine> edges_of(const WideBox& box, const Pose& pose, const View
   for (unsigned i = 0; i < 8; ++i) {
     const glm::dvec3 corner((i & 1) != 0 ? box.upper.x : box.lower.x, (i & 2) != 0 ? box.upper.y : box.lower.y,
                             (i & 4) != 0 ? box.upper.z : box.lower.z);
-    corners[i] = viewer_from_world * (corner - pose.position);
+    corners[i] = viewer_from_world * (glm::dvec3(world_from_box * glm::dvec4(corner, 1)) - pose.position);
     size = std::max(size, glm::length(corners[i]));
   }
   // VRML97 applies the field of view to the smaller side of the picture.

@@ -25,7 +25,8 @@ namespace gs::app {
 using PixelLine = std::pair<glm::vec2, glm::vec2>;
 /// Projects the edges of a box into a viewport. Clips them at the viewer, so that they are in front of it. Does not
 /// clip them at the borders of the viewport.
-[[nodiscard]] std::vector<PixelLine> edges_of(const WideBox& box, const Pose& pose, const Viewport& viewport);
+[[nodiscard]] std::vector<PixelLine> edges_of(const WideBox& box, const Pose& pose, const Viewport& viewport,
+                                              const glm::dmat4& world_from_box = glm::dmat4(1));
 
 /// Bounds of the selected node, and its outline in pictures.
 class SelectionMark {
@@ -51,7 +52,7 @@ class SelectionMark {
 
  private:
   WideBox bounds_;
-  NodeAt node_;  // node with the bounds `bounds_`
+  NodeAt node_;     // node with the bounds `bounds_`
   double due_ = 0;  // time of the next search
   std::vector<Outline> outlines_;
 };

@@ -16,12 +16,12 @@ std::string count_text(std::size_t count, const char* what) {
 // Returns text about the state of a QNV stream that is being loaded.
 std::string detail_of(const Document& document, const LoadRow& load) {
   for (const auto& feed : document.world.feeds) {
-    if (feed.get() != load.feed || !feed->stream()) continue;
-    const qnv::LodStream& stream = *feed->stream();
-    const qnv::LodStatistics statistics = stream.statistics();
-    std::string text = count_text(statistics.clusters, "part") + " received, " +
-                       count_text(statistics.cached_discs, "vector") + " shown";
-    const std::size_t wanted = stream.wanted().size();
+    if (feed.get() != load.feed || !(feed->stream() || feed->splats())) continue;
+    const qnv::SplatStatistics splats = feed->splats() ? feed->splats()->statistics() : qnv::SplatStatistics{};
+    const qnv::LodStatistics discs = feed->stream() ? feed->stream()->statistics() : qnv::LodStatistics{};
+    std::string text = count_text(splats.clusters + discs.clusters, "part") + " received, " +
+                       count_text(splats.cached_splats + discs.cached_discs, "vector") + " shown";
+    const std::size_t wanted = feed->requests()->wanted().size();
     if (load.by_view && !load.ended)
       text += wanted > 0 ? ", " + count_text(wanted, "part") + " wanted" : ", fine enough";
     return text;

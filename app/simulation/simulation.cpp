@@ -245,9 +245,11 @@ void Simulation::fetch() {
   while (!loading_->done()) (void)loading_->step(kWait);
   ResourceUpdates arrivals = loading_->take_updates();
   for (const auto& feed : arrivals.feeds) (void)feed->apply();
-  (void)arrive(*document_, std::move(arrivals));
+  (void)app::arrive(*document_, std::move(arrivals));
   document_->runtime->execution().loads().end();
 }
+
+void Simulation::arrive(ResourceUpdates updates) { (void)app::arrive(*document_, std::move(updates)); }
 
 void Simulation::run(double seconds, const std::function<bool()>& go_on) {
   if (steps_ == 0) {

@@ -51,6 +51,8 @@ class Simulation {
   /// `go_on` returns false. A later call needs a greater time.
   void run(double seconds, const std::function<bool()>& go_on = {});
 
+  /// Takes results of loading into the world.
+  void arrive(ResourceUpdates updates);
   /// Lets `loading` read the urls that the world sets from now on. Each step waits for their contents before time
   /// advances.
   void fetch_with(WorldLoading& loading) { loading_ = &loading; }

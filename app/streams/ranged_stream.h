@@ -2,6 +2,7 @@
 
 #include "app/streams/load_ledger.h"
 #include "app/streams/stream_feed.h"
+#include "app/streams/viewed_transfer.h"
 #include "net/load/loader.h"
 
 #include <cstddef>
@@ -20,7 +21,7 @@ namespace gs::app {
 /// Reader of a long stream from an HTTP server, with Range requests. First it reads the directory. If that is long and
 /// the feed takes bytes, it also reads the bytes after `front` meanwhile. Then it reads the chunks that views want, in
 /// the order of StreamFeed::take_wanted. Reader thread only.
-class RangedStream {
+class RangedStream final : public ViewedTransfer {
  public:
   struct Place {
     std::string url;
@@ -40,21 +41,18 @@ class RangedStream {
   };
   RangedStream(net::LoadRequests& loader, std::shared_ptr<StreamFeed> feed, Place place, Sink sink = {});
 
-  /// Requests chunks that views want now. Returns true if it made a request.
-  bool ask_for_more();
-  /// Handles an event of the loader. Returns false if the event belongs to another stream.
-  bool take(net::LoadEvent& event);
-  [[nodiscard]] std::uint64_t row() const { return place_.row; }
-  /// Returns true if a fetch receives the chunks, not the feed.
-  [[nodiscard]] bool has_fetch() const { return !feed_->takes_bytes(); }
+  bool ask_for_more() override;
+  bool take(net::LoadEvent& event) override;
+  [[nodiscard]] bool has_fetch() const override { return !feed_->takes_bytes(); }
   /// Cancels all requests and ends the stream. Does not call the sink.
-  void cancel();
+  void cancel() override;
+  void cancel_row(std::uint64_t row) override {
+    if (row == place_.row) cancel();
+  }
   /// Returns true if the directory was received, so that views choose the chunks.
   [[nodiscard]] bool has_directory() const { return has_directory_; }
-  /// Returns true if the stream is complete, failed or cancelled.
-  [[nodiscard]] bool over() const { return over_; }
-  /// Reports whether no request is pending.
-  [[nodiscard]] bool rests() const { return !directory_request_ && open_.empty(); }
+  [[nodiscard]] bool over() const override { return over_; }
+  [[nodiscard]] bool rests() const override { return !directory_request_ && open_.empty(); }
 
  private:
   /// Request for several chunks, with the chunks that are still incomplete, by their end offsets.

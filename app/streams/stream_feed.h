@@ -1,5 +1,6 @@
 #pragma once
 
+#include "qnv/codecs/gaussians/lod/splat_stream.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/shared/viewed_stream.h"
 
@@ -71,6 +72,8 @@ class StreamFeed {
 
   /// Returns the octree stream if the drawing thread decodes it, else null.
   [[nodiscard]] const qnv::LodStream* stream() const { return dynamic_cast<const qnv::LodStream*>(stream_.get()); }
+  /// Returns the stream of Gaussians if the drawing thread decodes it, else null.
+  [[nodiscard]] const qnv::SplatStream* splats() const { return dynamic_cast<const qnv::SplatStream*>(stream_.get()); }
 
  private:
   struct Chunk {

@@ -1,6 +1,9 @@
 #include "app/viewer/viewer_splats.h"
 
 #include "app/inspect/selection_marks.h"
+#include "net/base/url.h"
+#include "net/base/url_signature.h"
+#include "qnv/codecs/gaussians/lod/splat_stream.h"
 
 #include <algorithm>
 #include <string>
@@ -21,7 +24,9 @@ std::string shell_word(const std::string& word) {
 std::string command_of(const SplatEdit& edit, const std::string& path) {
   std::string command = "ghostspace export";
   for (const std::string& word : options_of(edit)) command += " " + shell_word(word);
-  return command + " " + shell_word(path) + " OUT";
+  // The clipboard must not get passwords, tokens or signatures.
+  const bool is_url = !net::parse_url(path).scheme.empty();
+  return command + " " + shell_word(is_url ? net::url_for_messages(net::without_signature(path)) : path) + " OUT";
 }
 
 }  // namespace
@@ -45,17 +50,16 @@ UiSplats describe_splats(Session& session, const std::optional<Viewport>& place)
   splats.edit = document.splats.edit();
   splats.extent = document.splats.extent(document.world);
   splats.removed = document.splats.removed();
-  splats.shown = only->geometry->size();
+  const auto& stream = only->geometry->as<qnv::Gaussians>()->stream;
+  splats.shown = stream ? static_cast<std::size_t>(stream->header().vectors) : only->geometry->size();
   splats.busy = document.splats.busy();
   splats.problem = document.splats.problem();
   splats.command = command_of(splats.edit, document.world.path);
-  SplatEdit selection = splats.edit;
-  selection.exposure = 0;
-  if (place && splats.edit.box && matrix_of(selection) == glm::dmat4(1)) {
+  if (place && splats.edit.box) {
     WideBox box;
     box.add(splats.edit.box->lower);
     box.add(splats.edit.box->upper);
-    splats.edges = edges_of(box, view->navigation.pose, *place);
+    splats.edges = edges_of(box, view->navigation.pose, *place, matrix_of(splats.edit));
   }
   return splats;
 }

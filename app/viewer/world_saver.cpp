@@ -47,7 +47,7 @@ std::string WorldSaver::proposed_path() const {
   const std::string& own = document_->world.path;
   std::string name = file_label(own);
   if (only_splats(document_->world))
-    name = fs::path(name).stem().string() + "-edited.3dgs.ply";
+    name = fs::path(name).stem().string() + "-edited.ply";
   else if (!is_text_path(name))
     name = fs::path(name).stem().string() + ".wrl";
   std::error_code error;

@@ -3,6 +3,8 @@
 #include "qnv/base/geometry.h"
 
 #include <cstddef>
+#include <string>
+#include <vector>
 
 namespace gs::bench {
 
@@ -12,8 +14,11 @@ struct SogPeer {
   qnv::Gaussians gaussians;
 };
 
-/// Quantises Gaussians like SOG: positions in 16 bits of log(1 + |x|), rotations in 8 bits a component, and tables of
-/// 256 deviations and colours. The size is that of lossless WebP images in Morton order. Leaves out harmonics.
+/// Exports Gaussians as SOG, and reads the file. Both parts are empty on failure.
 [[nodiscard]] SogPeer sog_of(const qnv::Gaussians& source);
+
+/// Reads the levels of a streamed SOG from the folder of its lod-meta.json, the coarsest first. The bytes are those
+/// that must have arrived: lod-meta.json, and the files of the coarsest level and of this level.
+[[nodiscard]] std::vector<SogPeer> sog_levels_of(const std::string& folder);
 
 }  // namespace gs::bench

@@ -88,8 +88,7 @@ class SurfaceVoxelizer : NonCopyable {
   std::unique_ptr<State> state_;
 };
 
-/// Returns the voxels with these sums, in the same order. Leaves out voxels with an area that is too small for the
-/// sums.
+/// Returns the voxels with these sums, in the same order. Leaves out a voxel if its area is too small for the sums.
 [[nodiscard]] std::vector<Voxel> voxels_of(std::span<const VoxelSums> sums);
 
 /// Returns the voxels of the next coarser level.

@@ -154,7 +154,9 @@ void Collector::add_splats(const Frame& parent, vrml::NodeId id, const DrawItem&
   const dmat4 world = world_from_geometry(parent.world_from_local, *splats);
   // The vectors of some streams depend on the view, and the first bytes may have none.
   const auto* const volume = splats->as<qnv::Volume>();
-  const bool shown = splats->as<qnv::OctreeSplats>() || splats->size() > 0 || (volume && volume->detail);
+  const auto* const gaussians = splats->as<qnv::Gaussians>();
+  const bool shown = splats->as<qnv::OctreeSplats>() || splats->size() > 0 || (volume && volume->detail) ||
+                     (gaussians && gaussians->stream);
   if (!shown || !fits_float(world)) return;
   if (list_.splats.size() >= budget_->limit(Resource::items)) return;
   SplatItem item;

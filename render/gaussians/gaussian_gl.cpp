@@ -66,14 +66,14 @@ void describe(const GaussianItem& item, const GaussianStore::Place& place, std::
   out.emplace_back(metric[0], coding.scale.x);
   out.emplace_back(metric[1], coding.scale.y);
   out.emplace_back(metric[2], coding.base_limit);
-  out.emplace_back(integer_halves(start), integer_halves(place.first));
+  out.emplace_back(integer_halves(start), integer_halves(place.first + item.first * coding.texels));
   out.emplace_back(coding.texels, coding.degree, coding.harmonic_limit, item.gaussians->antialiased ? 1 : 0);
   out.push_back(item.clip.value_or(glm::vec4(0)));
   for (int i = 0; i < 3; ++i) {
     out.push_back(matrix_row(glm::mat4(item.fog.ranges_from_camera), i));
     out.back().w = item.fog.color[i];
   }
-  out.emplace_back(!item.fog.on ? 0 : item.fog.exponential ? 2 : 1, item.fog.back, 0, 0);
+  out.emplace_back(!item.fog.on ? 0 : item.fog.exponential ? 2 : 1, item.fog.back, item.presence, 0);
 }
 
 /// Estimates for splats in a view, from a sample.
@@ -83,31 +83,32 @@ struct GaussianSurvey {
 };
 
 GaussianSurvey survey(std::span<const GaussianItem> items, const SplatView& view) {
-  GaussianSurvey result;
+  std::size_t total = 0, sampled = 0, before = 0;  // `before`: splats of earlier items
+  for (const GaussianItem& item : items) total += item.count;
+  const std::size_t blocks = std::min(kSurveyedBlocks, (total + kSurveyedBlock - 1) / kSurveyedBlock);
   ProjectedGaussians found;
-  const auto width = static_cast<float>(view.width), height = static_cast<float>(view.height);
-  for (const GaussianItem& item : items) {
-    const std::size_t blocks = std::min(kSurveyedBlocks, (item.count + kSurveyedBlock - 1) / kSurveyedBlock);
-    std::size_t sampled = 0;
-    found = {};
-    for (std::size_t block = 0; block < blocks; ++block) {
-      const std::size_t first = block * (item.count / blocks),
-                        last = blocks < kSurveyedBlocks && block + 1 == blocks
-                                   ? item.count
-                                   : std::min(item.count, first + std::min(kSurveyedBlock, item.count / blocks));
-      project_gaussians(item, view, first, last, found);
+  auto item = items.begin();
+  for (std::size_t block = 0; block < blocks; ++block) {
+    std::size_t at = block * (total / blocks);
+    const std::size_t end = blocks < kSurveyedBlocks && block + 1 == blocks ? total : at + std::min(kSurveyedBlock, total / blocks);
+    for (; item != items.end() && before + item->count <= at; ++item) before += item->count;
+    std::size_t own = before;
+    for (auto part = item; part != items.end() && at < end; own += part->count, ++part) {
+      const std::size_t first = at - own, last = std::min(end - own, part->count);
+      project_gaussians(*part, view, first, last, found);
       sampled += last - first;
+      at = own + last;
     }
-    const double share = sampled > 0 ? static_cast<double>(item.count) / static_cast<double>(sampled) : 0;
-    result.splats += share * static_cast<double>(found.splats.size());
-    double pixels = 0;
-    for (const GaussianSplat& splat : found.splats) {
-      const auto extent = [](float middle, float reach, float size) {
-        return static_cast<double>(std::min(middle + reach, size) - std::max(middle - reach, 0.0f)) + 1;
-      };
-      pixels += extent(splat.x, splat.reach_x, width) * extent(splat.y, splat.reach_y, height);
-    }
-    result.pixels += share * pixels;
+  }
+  GaussianSurvey result;
+  const double share = sampled > 0 ? static_cast<double>(total) / static_cast<double>(sampled) : 0;
+  result.splats = share * static_cast<double>(found.splats.size());
+  const auto width = static_cast<float>(view.width), height = static_cast<float>(view.height);
+  for (const GaussianSplat& splat : found.splats) {
+    const auto extent = [](float least, float most, float size) {
+      return static_cast<double>(std::min(most, size) - std::max(least, 0.0f)) + 1;
+    };
+    result.pixels += share * extent(splat.left, splat.right, width) * extent(splat.bottom, splat.top, height);
   }
   return result;
 }
@@ -208,10 +209,12 @@ std::optional<GaussianGl::Drawn> GaussianGl::draw(std::span<const std::shared_pt
   std::size_t total = 0;
   for (std::size_t i = 0; i < items.size(); ++i) {
     GaussianItem item = items[i];
-    item.count = std::min(item.count, held[i]->size());
+    item.first = std::min(item.first, held[i]->size());
+    item.count = std::min(item.count, held[i]->size() - item.first);
     if (item.count == 0 || !volume_lens(view.lens, item.camera_from_node)) continue;
     SortPart part;
     part.vectors = held[i];
+    part.first = item.first;
     part.count = item.count;
     part.by_distance = true;
     part.eye = eye_of(item);

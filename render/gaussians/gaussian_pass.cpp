@@ -1,51 +1,140 @@
 #include "render/gaussians/gaussian_pass.h"
 
+#include "qnv/codecs/gaussians/lod/splat_stream.h"
+#include "qnv/codecs/shared/chunk_requests.h"
 #include "render/collection/collector.h"
 #include "render/gaussians/gaussian_raster.h"
 #include "render/splat/splat_budget.h"
+#include "render/splat/splat_pieces.h"
 
 #include <glm/glm.hpp>
 
 #include <algorithm>
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string_view>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace gs::render {
 namespace {
 
+// Vectors that take as long to decode as one Gaussian.
+constexpr std::size_t kDecodingCost = 8;
+
 const qnv::Gaussians* gaussians_of(const SplatItem& item) {
   const auto* gaussians = item.geometry ? item.geometry->as<qnv::Gaussians>() : nullptr;
-  return gaussians && !gaussians->empty() ? gaussians : nullptr;
+  return gaussians && !gaussians->nothing() ? gaussians : nullptr;
 }
 
 /// Gaussians of one image. held[i] owns the data of items[i].
 struct GaussianScene {
   std::vector<std::shared_ptr<const qnv::Gaussians>> held;
   std::vector<GaussianItem> items;
+  bool pending = false;  // the next image of this view would differ
 };
 
-GaussianScene scene_of(const RenderList& list, const Camera& camera, const DrawOptions& options) {
-  const glm::dmat4 camera_from_world = camera_from_world_of(camera);
-  GaussianScene scene;
-  for (const SplatItem& item : list.splats) {
-    const qnv::Gaussians* gaussians = gaussians_of(item);
-    if (!gaussians) continue;
-    scene.held.push_back(qnv::shared_as<qnv::Gaussians>(item.geometry));
-    GaussianItem& own = scene.items.emplace_back();
-    own.gaussians = gaussians;
-    own.count = gaussians->size();
-    own.camera_from_node = glm::mat4(camera_from_world * item.world_from_node);
-    own.opacity = options.splat_style.opacity * (1 - item.material.transparency);
-    // As volumes, Gaussians are clipped by one plane: the viewer's, or the outermost ClipPlane.
-    if (options.splat_style.clip)
-      own.clip = glm::vec4(*options.splat_style.clip * item.world_from_node);
-    else if (!item.clip_planes.empty() && item.clip_planes[0] < list.clip_planes.size())
-      own.clip = glm::vec4(list.clip_planes[item.clip_planes[0]] * item.world_from_node);
-    own.fog = camera_fog(list.fog, glm::transpose(glm::mat3(camera_from_world)), static_cast<float>(camera.back));
+/// Collects the Gaussians of an image.
+class GaussianCollector {
+ public:
+  GaussianCollector(const Gl& gl, const RenderList& list, const Camera& camera, const DrawOptions& options,
+                    const SplatView& view)
+      : gl_(gl),
+        list_(list),
+        options_(options),
+        camera_from_world_(camera_from_world_of(camera)),
+        whole_(whole_view(view, camera)),
+        back_(static_cast<float>(camera.back)),
+        decodable_(options.most_decoded) {}
+
+  GaussianScene collect() {
+    const std::vector<std::size_t> shares =
+        share_budget(list_.splats, budget_view(whole_, camera_from_world_), options_.budget);
+    for (const SplatItem& item : list_.splats)
+      if (const qnv::Gaussians* gaussians = gaussians_of(item); gaussians && gaussians->stream) ++streams_;
+    for (std::size_t i = 0; i < list_.splats.size(); ++i) {
+      const SplatItem& item = list_.splats[i];
+      const qnv::Gaussians* gaussians = gaussians_of(item);
+      if (!gaussians) continue;
+      if (gaussians->stream)
+        add_cut(item, *gaussians->stream, shares[i]);
+      else
+        add_all(item, *gaussians, shares[i]);
+    }
+    return std::move(scene_);
   }
-  return scene;
-}
+
+ private:
+  /// Returns the item without its Gaussians.
+  [[nodiscard]] GaussianItem item_of(const SplatItem& item) const {
+    GaussianItem own;
+    own.camera_from_node = glm::mat4(camera_from_world_ * item.world_from_node);
+    own.opacity = options_.splat_style.opacity * (1 - item.material.transparency);
+    // As volumes, Gaussians are clipped by one plane: the viewer's, or the outermost ClipPlane.
+    if (options_.splat_style.clip)
+      own.clip = glm::vec4(*options_.splat_style.clip * item.world_from_node);
+    else if (!item.clip_planes.empty() && item.clip_planes[0] < list_.clip_planes.size())
+      own.clip = glm::vec4(list_.clip_planes[item.clip_planes[0]] * item.world_from_node);
+    own.fog = camera_fog(list_.fog, glm::transpose(glm::mat3(camera_from_world_)), back_);
+    return own;
+  }
+
+  /// Returns the view of the whole image for a cut of an item. Returns nullopt if it is not finite.
+  [[nodiscard]] std::optional<qnv::LodView> view_of(const SplatItem& item, const qnv::ChunkRequests& requests,
+                                                    std::size_t budget) {
+    SplatView view = whole_;
+    view.camera_from_node = glm::mat4(camera_from_world_ * item.world_from_node);
+    auto lod = lod_view(view);
+    if (!lod) return lod;
+    lod->budget = budget;
+    lod->error_pixels = options_.splat_error / std::max(item.detail, 1e-6f);
+    // Each instance of a stream keeps its own level of detail.
+    lod->viewport = options_.viewport + (shown_[&requests]++ << 16);
+    return lod;
+  }
+
+  void add_all(const SplatItem& item, const qnv::Gaussians& gaussians, std::size_t budget) {
+    if (gaussians.requests)
+      if (const auto view = view_of(item, *gaussians.requests, budget)) gaussians.requests->note(*view);
+    scene_.held.push_back(qnv::shared_as<qnv::Gaussians>(item.geometry));
+    GaussianItem& own = scene_.items.emplace_back(item_of(item));
+    own.gaussians = &gaussians;
+    own.count = gaussians.size();
+  }
+
+  /// Adds the cut of a stream for the whole image, so that its tiles match.
+  void add_cut(const SplatItem& item, qnv::SplatStream& stream, std::size_t budget) {
+    const PhaseScope phase(gl_.phases, Phase::cut);
+    auto lod = view_of(item, stream, budget);
+    if (!lod) return;
+    if (options_.most_decoded > 0)
+      lod->most_decoded = std::max<std::size_t>(decodable_ / (kDecodingCost * streams_--), 1);
+    const std::vector<qnv::SplatRun>& runs = stream.cut(*lod, options_.time);
+    decodable_ -= std::min(decodable_, kDecodingCost * stream.statistics().decoded);
+    scene_.pending = scene_.pending || stream.pending() || stream.fading();
+    GaussianItem own = item_of(item);
+    for (const qnv::SplatRun& run : runs) {
+      own.gaussians = run.splats.get();
+      own.first = run.first;
+      own.count = run.count;
+      own.presence = run.presence;
+      scene_.held.push_back(run.splats);
+      scene_.items.push_back(own);
+    }
+  }
+
+  const Gl& gl_;
+  const RenderList& list_;
+  const DrawOptions& options_;
+  glm::dmat4 camera_from_world_;
+  SplatView whole_;
+  float back_;
+  std::size_t decodable_, streams_ = 0;
+  std::unordered_map<const qnv::ChunkRequests*, std::uint32_t> shown_;  // instances of each stream so far
+  GaussianScene scene_;
+};
 
 /// Returns the bounds of all volumes, or of all Gaussians, in world space.
 template <class Content>
@@ -84,7 +173,8 @@ void GaussianPass::draw(const RenderList& list, const Camera& camera, const Proj
   gaussian_gl_.forget_unused();
   if (std::none_of(list.splats.begin(), list.splats.end(), gaussians_of)) return;
   const SplatView view = viewport_view(camera, projection, options);
-  const GaussianScene scene = scene_of(list, camera, options);
+  const GaussianScene scene = GaussianCollector(gl_, list, camera, options, view).collect();
+  statistics.pending = statistics.pending || scene.pending;
   const TargetRectangle rectangle{options.x, options.y, options.width, options.height};
   const bool with_gl = options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl_.software);
   if (with_gl) {

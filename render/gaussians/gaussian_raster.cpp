@@ -1,298 +1,459 @@
 #include "render/gaussians/gaussian_raster.h"
 
 #include "base/parallel.h"
+#include "render/gaussians/gaussian_order.h"
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <memory>
+#include <mutex>
+#include <numeric>
 #include <utility>
 
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kProjectedRange = 8192;               // splats per projection task
-constexpr std::size_t kMostEntries = std::size_t{1} << 22;  // of all tiles that are kept at once
-constexpr unsigned kRadixDigitBits = 11, kRadixDigits = 1u << kRadixDigitBits;
+constexpr std::size_t kProjectedRange = 8192;                   // splats per projection task
+constexpr std::size_t kListedRange = 4096;                      // splats per task that makes lists of regions
+constexpr std::size_t kMostEntries = std::size_t{1} << 21;      // of all regions that are kept at once
+constexpr int kRegionTiles = 4;                                 // tiles along the side of a region
+constexpr int kRegion = kRegionTiles * kGaussianTile;           // pixels along the side of a region
+constexpr std::size_t kPrefetched = 16;                         // splats between a prefetch and its use
+constexpr std::size_t kMostKeptBytes = std::size_t{128} << 20;  // of arrays that the next picture reuses
+constexpr std::size_t kGatheredSplats = 512;                    // of a region that are blended together
 
-/// Projects all splats, in tasks of kProjectedRange input splats.
-ProjectedGaussians project_all(std::span<const GaussianItem> items, const SplatView& view) {
-  struct Task {
+/// Tiles that a splat touches, inclusive.
+struct TileRange {
+  std::uint16_t left, right, bottom, top;
+};
+
+/// Parts of a splat that the lists need.
+struct PlacedGaussian {
+  TileRange tiles;
+  float depth;          // along the view axis
+  std::uint32_t index;  // kProjectedRange * part + index in the part
+};
+
+/// Splat in the list of a region.
+struct ListedGaussian {
+  std::uint32_t index;                    // as in PlacedGaussian
+  std::uint8_t left, right, bottom, top;  // tiles of the region that it touches, inclusive
+};
+
+template <class T>
+std::size_t capacity_bytes(const std::vector<T>& array) {
+  return array.capacity() * sizeof(T);
+}
+
+/// Splats of one projection task.
+struct ProjectedPart {
+  ProjectedGaussians projected;
+  std::vector<PlacedGaussian> places;
+
+  void clear() {
+    projected.splats.clear();
+    projected.distances.clear();
+    projected.surfels.clear();
+    places.clear();
+  }
+  [[nodiscard]] std::size_t bytes() const {
+    return capacity_bytes(projected.splats) + capacity_bytes(projected.distances) + capacity_bytes(projected.surfels) +
+           capacity_bytes(places);
+  }
+};
+
+TileRange tiles_of(const GaussianSplat& splat, const SplatView& view) {
+  const auto tile = [](float pixel, int count) {
+    return static_cast<std::uint16_t>(static_cast<int>(std::clamp(pixel, 0.0f, static_cast<float>(count - 1))) /
+                                      kGaussianTile);
+  };
+  return {tile(splat.left, view.width), tile(splat.right, view.width), tile(splat.bottom, view.height),
+          tile(splat.top, view.height)};
+}
+
+/// Projects all splats, in tasks of kProjectedRange input splats. A task may have splats of several items.
+void project_all(std::span<const GaussianItem> items, const SplatView& view, std::vector<ProjectedPart>& parts) {
+  struct Run {
     std::size_t item, first, last;
   };
-  std::vector<Task> tasks;
+  std::vector<Run> runs;
+  std::vector<std::size_t> tasks{0};  // first run of each task, then the end
+  std::size_t listed = 0;             // splats of the last task so far
   for (std::size_t i = 0; i < items.size(); ++i) {
     const std::size_t count = items[i].gaussians ? std::min(items[i].count, items[i].gaussians->size()) : 0;
-    for (std::size_t first = 0; first < count; first += kProjectedRange)
-      tasks.push_back({i, first, std::min(count, first + kProjectedRange)});
+    for (std::size_t first = 0, last = 0; first < count; first = last) {
+      last = std::min(count, first + kProjectedRange - listed);
+      runs.push_back({i, first, last});
+      listed += last - first;
+      if (listed < kProjectedRange) continue;
+      tasks.push_back(runs.size());
+      listed = 0;
+    }
   }
-  std::vector<ProjectedGaussians> parts(tasks.size());
-  parallel_for(
-      tasks.size(),
-      [&](std::size_t t) { project_gaussians(items[tasks[t].item], view, tasks[t].first, tasks[t].last, parts[t]); },
-      view.threads);
-  ProjectedGaussians all;
-  std::vector<std::size_t> starts, first_surfels;
-  std::size_t count = 0, surfels = 0;
-  for (const ProjectedGaussians& part : parts) {
-    starts.push_back(count);
-    first_surfels.push_back(surfels);
-    count += part.splats.size();
-    surfels += part.surfels.size();
-  }
-  all.splats.resize(count);
-  all.distances.resize(count);
-  all.surfels.resize(surfels);
+  if (listed > 0) tasks.push_back(runs.size());
+  parts.resize(tasks.size() - 1);
   parallel_for(
       parts.size(),
       [&](std::size_t t) {
-        for (GaussianSplat& splat : parts[t].splats)
-          if (splat.surfel >= 0) splat.surfel += static_cast<std::int32_t>(first_surfels[t]);
-        std::ranges::copy(parts[t].surfels, all.surfels.begin() + static_cast<std::ptrdiff_t>(first_surfels[t]));
-        std::ranges::copy(parts[t].splats, all.splats.begin() + static_cast<std::ptrdiff_t>(starts[t]));
-        std::ranges::copy(parts[t].distances, all.distances.begin() + static_cast<std::ptrdiff_t>(starts[t]));
-        parts[t] = {};
+        ProjectedPart& part = parts[t];
+        part.clear();
+        for (std::size_t run = tasks[t]; run < tasks[t + 1]; ++run)
+          project_gaussians(items[runs[run].item], view, runs[run].first, runs[run].last, part.projected);
+        part.places.reserve(part.projected.splats.size());
+        auto index = static_cast<std::uint32_t>(t * kProjectedRange);
+        for (const GaussianSplat& splat : part.projected.splats)
+          part.places.push_back({tiles_of(splat, view), splat.depth, index++});
       },
       view.threads);
-  return all;
 }
 
-/// Returns the indexes of distances in ascending order; equal ones keep their order. Distances are at least 0.
-std::vector<std::uint32_t> sorted(std::span<const float> distances) {
-  const std::size_t count = distances.size();
-  struct Entry {
-    std::uint32_t key, index;
-  };
-  // The bits of positive floats, as integers, have the order of the floats.
-  std::vector<Entry> entries(count), other(count);
-  std::uint32_t least = 0xFFFFFFFFu, most = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto key = std::bit_cast<std::uint32_t>(distances[i] + 0.0f);
-    entries[i] = {key, static_cast<std::uint32_t>(i)};
-    least = std::min(least, key);
-    most = std::max(most, key);
-  }
-  const auto bits = count == 0 ? 0u : static_cast<unsigned>(std::bit_width(most - least));
-  for (unsigned shift = 0; shift < bits; shift += kRadixDigitBits) {
-    std::array<std::uint32_t, kRadixDigits> places{};
-    for (const Entry& entry : entries) ++places[(entry.key - least) >> shift & (kRadixDigits - 1)];
-    std::uint32_t next = 0;
-    for (auto& place : places) next += std::exchange(place, next);
-    for (const Entry& entry : entries) other[places[(entry.key - least) >> shift & (kRadixDigits - 1)]++] = entry;
-    entries.swap(other);
-  }
-  std::vector<std::uint32_t> order(count);
-  for (std::size_t i = 0; i < count; ++i) order[i] = entries[i].index;
-  return order;
-}
+/// Arrays of a picture. The next picture reuses them, because the system clears the pages of new ones.
+struct GaussianArrays {
+  std::vector<ProjectedPart> parts;
+  std::vector<GaussianKey> keys, moved_keys;
+  std::vector<PlacedGaussian> ordered;
+  std::vector<std::uint32_t> counts;  // entries of each region, for each range of splats
+  std::vector<ListedGaussian> listed;
 
-/// Tiles that a splat touches.
-struct TileRange {
-  int left, right, bottom, top;  // inclusive
+  [[nodiscard]] std::size_t bytes() const {
+    std::size_t sum = capacity_bytes(keys) + capacity_bytes(moved_keys) + capacity_bytes(ordered) +
+                      capacity_bytes(counts) + capacity_bytes(listed);
+    for (const ProjectedPart& part : parts) sum += part.bytes();
+    return sum;
+  }
 };
 
-/// Draws sorted splats: gives tiles lists of their splats in batches, from near to far, and blends them.
+/// Arrays of the last picture, unless they are large. Any thread.
+class KeptArrays {
+ public:
+  [[nodiscard]] std::unique_ptr<GaussianArrays> take() {
+    const std::lock_guard lock(mutex_);
+    return kept_ ? std::move(kept_) : std::make_unique<GaussianArrays>();
+  }
+  void give_back(std::unique_ptr<GaussianArrays> arrays) {
+    if (arrays->bytes() > kMostKeptBytes) return;
+    const std::lock_guard lock(mutex_);
+    kept_ = std::move(arrays);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::unique_ptr<GaussianArrays> kept_;
+};
+
+/// Orders the splats by ascending distance from the eye; equal ones keep their order.
+void put_in_order(GaussianArrays& arrays, const SplatView& view) {
+  const std::span<const ProjectedPart> parts = arrays.parts;
+  std::vector<GaussianKey>& keys = arrays.keys;
+  std::vector<PlacedGaussian>& ordered = arrays.ordered;
+  std::vector<std::size_t> starts;
+  std::size_t count = 0;
+  for (const ProjectedPart& part : parts) {
+    starts.push_back(count);
+    count += part.places.size();
+  }
+  keys.resize(count);
+  parallel_for(
+      parts.size(),
+      [&](std::size_t p) {
+        GaussianKey* to = keys.data() + starts[p];
+        auto index = static_cast<std::uint32_t>(p * kProjectedRange);
+        // The bits of positive floats, as integers, have the order of the floats. Distances are at least 0.
+        for (const float distance : parts[p].projected.distances)
+          *to++ = {std::bit_cast<std::uint32_t>(distance + 0.0f), index++};
+      },
+      view.threads);
+  sort_gaussians(keys, arrays.moved_keys, view.threads);
+  ordered.resize(count);
+  parallel_for((count + kListedRange - 1) / kListedRange,
+               [&](std::size_t t) {
+                 const std::size_t last = std::min(count, (t + 1) * kListedRange);
+                 const auto place_of = [&](std::size_t i) {
+                   return parts[keys[i].index / kProjectedRange].places.data() + keys[i].index % kProjectedRange;
+                 };
+                 for (std::size_t i = t * kListedRange; i < last; ++i) {
+                   __builtin_prefetch(place_of(std::min(i + kPrefetched, last - 1)));
+                   ordered[i] = *place_of(i);
+                 }
+               },
+               view.threads);
+}
+
+/// Sets the least depths of all splats.
+void set_least_depths(std::span<ProjectedPart> parts, std::span<const PlacedGaussian> ordered) {
+  float least = std::numeric_limits<float>::max();
+  for (auto place = ordered.rbegin(); place != ordered.rend(); ++place) {
+    least = std::min(least, place->depth);
+    parts[place->index / kProjectedRange].projected.splats[place->index % kProjectedRange].least_depth = least;
+  }
+}
+
+/// Pixels of a region. Tile kRegionTiles * row + column.
+struct GaussianRegion {
+  static constexpr std::size_t kTiles = std::size_t{kRegionTiles} * kRegionTiles;
+  std::array<GaussianTile, kTiles> tiles;
+  std::uint32_t open = (1u << kTiles) - 1, used = 0;  // a bit per tile
+};
+
+/// Draws ordered splats: gives regions lists of their splats in batches, from near to far, and blends them.
 class GaussianPainter {
  public:
-  GaussianPainter(const ProjectedGaussians& all, std::span<const std::uint32_t> order, const SplatView& view,
-                  const VolumeStops& stops)
-      : splats_(all.splats),
-        surfels_(all.surfels),
-        order_(order),
+  GaussianPainter(GaussianArrays& arrays, const SplatView& view, const VolumeStops& stops)
+      : parts_(arrays.parts),
+        ordered_(arrays.ordered),
+        counts_(arrays.counts),
+        listed_(arrays.listed),
         view_(view),
         stops_(stops),
-        columns_((view.width + kGaussianTile - 1) / kGaussianTile),
-        rows_((view.height + kGaussianTile - 1) / kGaussianTile),
-        tiles_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {}
+        columns_((view.width + kRegion - 1) / kRegion),
+        regions_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>((view.height + kRegion - 1) / kRegion)),
+        ranges_((ordered_.size() + kListedRange - 1) / kListedRange) {}
 
   VolumeLayer paint() {
     VolumeLayer layer;
     layer.width = view_.width;
     layer.height = view_.height;
-    layer.vectors = splats_.size();
+    layer.vectors = ordered_.size();
     const std::size_t pixels = static_cast<std::size_t>(view_.width) * static_cast<std::size_t>(view_.height);
     layer.pixels.assign(4 * pixels, 0);
     layer.depth.assign(pixels, 0);
-    if (!paint_to(layer.pixels, &layer.depth, stops_.far.empty() ? stops_.near : stops_.far)) return {};
+    count_entries();
+    paint_to(layer.pixels, &layer.depth, stops_.far.empty() ? stops_.near : stops_.far);
     if (!stops_.far.empty() && !std::ranges::equal(stops_.near, stops_.far)) {
       layer.edge_pixels.assign(4 * pixels, 0);
-      (void)paint_to(layer.edge_pixels, nullptr, stops_.near);
+      paint_to(layer.edge_pixels, nullptr, stops_.near);
     }
     return layer;
   }
 
  private:
-  [[nodiscard]] TileRange tiles_of(const GaussianSplat& splat) const {
-    const auto tile = [](float pixel, int count) {
-      return static_cast<int>(std::clamp(std::floor(pixel / kGaussianTile), 0.0f, static_cast<float>(count - 1)));
-    };
-    return {tile(splat.x - splat.reach_x, columns_), tile(splat.x + splat.reach_x, columns_),
-            tile(splat.y - splat.reach_y, rows_), tile(splat.y + splat.reach_y, rows_)};
-  }
-
-  /// Calls use(tile) for each tile that the splat's ellipse may touch and that is not opaque.
+  /// Calls use(region, row, column) for each region that a splat may touch.
   template <class Use>
-  void for_tiles(const GaussianSplat& splat, const Use& use) const {
-    const TileRange range = tiles_of(splat);
-    const float inside = splat.peak - kGaussianLeastPower, narrow = 1 / splat.xx;
-    for (int row = range.bottom; row <= range.top; ++row) {
-      int left = range.left, right = range.right;
-      if (splat.surfel < 0 && right - left > 1 && range.top > range.bottom) {
-        // The extent of the ellipse between the rows: at the tangent point if it lies between, else at a border.
-        const float low = static_cast<float>(row * kGaussianTile) - 1 - splat.y, high = low + kGaussianTile + 1;
-        const float turn = splat.xy * narrow;
-        const auto border = [&](float dy, float& from, float& to) {
-          const float square = splat.xy * splat.xy * dy * dy - splat.xx * (splat.yy * dy * dy - inside);
-          if (!(square >= 0)) return;
-          const float half = std::sqrt(square) * narrow;
-          from = std::min(from, -turn * dy - half);
-          to = std::max(to, -turn * dy + half);
-        };
-        float from = std::numeric_limits<float>::max(), to = -from;
-        border(low, from, to);
-        border(high, from, to);
-        // The points farthest left and right have dy = -xy / yy dx at dx = -reach and reach.
-        const float at_right = -splat.xy / splat.yy * splat.reach_x;
-        if (at_right >= low && at_right <= high) to = splat.reach_x;
-        if (-at_right >= low && -at_right <= high) from = -splat.reach_x;
-        if (from > to) continue;
-        left = std::max(left, static_cast<int>(std::floor((splat.x + from - 1) / kGaussianTile)));
-        right = std::min(right, static_cast<int>(std::floor((splat.x + to + 1) / kGaussianTile)));
-      }
-      for (int column = left; column <= right; ++column) {
-        const auto tile =
-            static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
-        if (open_[tile]) use(tile);
-      }
-    }
+  void for_regions(const TileRange& tiles, const Use& use) const {
+    for (int row = tiles.bottom / kRegionTiles; row <= tiles.top / kRegionTiles; ++row)
+      for (int column = tiles.left / kRegionTiles; column <= tiles.right / kRegionTiles; ++column)
+        use(static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column), row,
+            column);
   }
 
-  bool paint_to(std::vector<std::uint8_t>& pixels, std::vector<float>* depths, std::span<const float> stops) {
-    const std::size_t tiles = tiles_;
-    open_.assign(tiles, 1);
-    states_.resize(tiles);
-    bool any = false;
-    for (std::size_t first = 0; first < order_.size();) {
-      // A batch is as many splats as fit into the entries. Parts of it are counted and listed at the same time.
-      constexpr std::size_t kParts = 8;
+  /// Returns the tiles of a row or column of regions that the tiles first to last overlap.
+  static std::pair<std::uint8_t, std::uint8_t> inside(int region, int first, int last) {
+    return {static_cast<std::uint8_t>(std::max(first - region * kRegionTiles, 0)),
+            static_cast<std::uint8_t>(std::min(last - region * kRegionTiles, kRegionTiles - 1))};
+  }
+
+  /// Calls work(first, last, counts of the range) for the splats of ranges first_range to last_range - 1.
+  template <class Work>
+  void for_ranges(std::size_t first_range, std::size_t last_range, const Work& work) {
+    parallel_for(
+        last_range - first_range,
+        [&](std::size_t r) {
+          const std::size_t range = first_range + r;
+          work(range * kListedRange, std::min(ordered_.size(), (range + 1) * kListedRange),
+               counts_.data() + range * regions_);
+        },
+        view_.threads);
+  }
+
+  /// Counts the splats of each region, for each range of splats.
+  void count_entries() {
+    counts_.assign(ranges_ * regions_, 0);
+    for_ranges(0, ranges_, [&](std::size_t first, std::size_t last, std::uint32_t* counts) {
+      for (std::size_t i = first; i < last; ++i)
+        for_regions(ordered_[i].tiles, [&](std::size_t region, int, int) { ++counts[region]; });
+    });
+  }
+
+  void paint_to(std::vector<std::uint8_t>& pixels, std::vector<float>* depths, std::span<const float> stops) {
+    states_.clear();
+    states_.resize(regions_);
+    for (std::size_t first = 0; first < ranges_;) {
+      // A batch is as many ranges as fit into the entries, and at least one.
       std::size_t last = first, entries = 0;
-      std::vector<std::uint32_t> counts;
-      std::array<std::size_t, kParts + 1> ends{};
-      last = std::min(order_.size(), first + kMostEntries / 4);
-      while (true) {
-        const std::size_t size = last - first;
-        for (std::size_t p = 0; p <= kParts; ++p) ends[p] = first + size * p / kParts;
-        counts.assign(kParts * tiles, 0);
-        parallel_for(
-            kParts,
-            [&](std::size_t p) {
-              std::uint32_t* const own = counts.data() + p * tiles;
-              for (std::size_t i = ends[p]; i < ends[p + 1]; ++i)
-                for_tiles(splats_[order_[i]], [&](std::size_t tile) { ++own[tile]; });
-            },
-            view_.threads);
-        entries = 0;
-        for (const std::uint32_t count : counts) entries += count;
-        if (entries <= kMostEntries || size < 2 * kParts) break;
-        last = first + std::max<std::size_t>(1, size * (kMostEntries / 2) / entries);
+      while (last < ranges_) {
+        const auto counts = counts_.begin() + static_cast<std::ptrdiff_t>(last * regions_);
+        const std::size_t more =
+            std::accumulate(counts, counts + static_cast<std::ptrdiff_t>(regions_), std::size_t{0});
+        if (last > first && entries + more > kMostEntries) break;
+        entries += more;
+        ++last;
       }
-      std::vector<std::uint32_t> begins(tiles + 1, 0);
-      std::uint32_t next = 0;
-      for (std::size_t tile = 0; tile < tiles; ++tile) {
-        begins[tile] = next;
-        for (std::size_t p = 0; p < kParts; ++p) next += std::exchange(counts[p * tiles + tile], next);
-      }
-      begins[tiles] = next;
-      std::vector<std::uint32_t> listed(next);
-      parallel_for(
-          kParts,
-          [&](std::size_t p) {
-            std::uint32_t* const own = counts.data() + p * tiles;
-            for (std::size_t i = ends[p]; i < ends[p + 1]; ++i)
-              for_tiles(splats_[order_[i]], [&](std::size_t tile) { listed[own[tile]++] = order_[i]; });
-          },
-          view_.threads);
-      any = any || next > 0;
-      parallel_for(
-          tiles,
-          [&](std::size_t tile) {
-            const std::span<const std::uint32_t> own(listed.data() + begins[tile], begins[tile + 1] - begins[tile]);
-            if (!own.empty()) blend(tile, own, stops);
-          },
-          view_.threads);
+      paint_batch(first, last, entries, {pixels.data(), depths ? depths->data() : nullptr, stops});
       first = last;
     }
-    if (!any) return false;
-    parallel_for(
-        tiles, [&](std::size_t tile) { write(tile, pixels, depths); }, view_.threads);
-    return true;
   }
 
-  void blend(std::size_t tile, std::span<const std::uint32_t> order, std::span<const float> stops) {
-    const int left = static_cast<int>(tile % static_cast<std::size_t>(columns_)) * kGaussianTile,
-              bottom = static_cast<int>(tile / static_cast<std::size_t>(columns_)) * kGaussianTile;
-    if (!states_[tile]) {
-      states_[tile] = std::make_unique<GaussianTile>();
-      states_[tile]->clear_pixels();
-      for (int row = 0; !stops.empty() && row < kGaussianTile; ++row)
-        for (int column = 0; column < kGaussianTile; ++column)
-          states_[tile]->stop[static_cast<std::size_t>(row * kGaussianTile + column)] =
-              stops[static_cast<std::size_t>(std::min(bottom + row, view_.height - 1)) *
-                        static_cast<std::size_t>(view_.width) +
-                    static_cast<std::size_t>(std::min(left + column, view_.width - 1))];
-    }
-    GaussianTile& state = *states_[tile];
-    const GaussianKernel& kernel = gaussian_kernel();
-    (stops.empty() ? kernel.tile : kernel.stopped_tile)({splats_.data(), surfels_.data()}, order, left, bottom, state);
-    if (state.open == 0) open_[tile] = 0;
-  }
+  struct Target {
+    std::uint8_t* pixels;
+    float* depths;  // may be null
+    std::span<const float> stops;
+  };
 
-  void write(std::size_t tile, std::vector<std::uint8_t>& pixels, std::vector<float>* depths) {
-    if (!states_[tile]) return;
-    const GaussianTile& state = *states_[tile];
-    const int left = static_cast<int>(tile % static_cast<std::size_t>(columns_)) * kGaussianTile,
-              bottom = static_cast<int>(tile / static_cast<std::size_t>(columns_)) * kGaussianTile;
-    const auto byte = [](float v) { return static_cast<std::uint8_t>(std::clamp(v, 0.0f, 1.0f) * 255 + 0.5f); };
-    for (int row = 0; row < std::min(kGaussianTile, view_.height - bottom); ++row)
-      for (int column = 0; column < std::min(kGaussianTile, view_.width - left); ++column) {
-        const auto from = static_cast<std::size_t>(row * kGaussianTile + column);
-        const std::size_t to = static_cast<std::size_t>(bottom + row) * static_cast<std::size_t>(view_.width) +
-                               static_cast<std::size_t>(left + column);
-        pixels[4 * to] = byte(state.red[from]);
-        pixels[4 * to + 1] = byte(state.green[from]);
-        pixels[4 * to + 2] = byte(state.blue[from]);
-        pixels[4 * to + 3] = byte(1 - state.clear[from]);
-        if (depths) (*depths)[to] = state.depth[from];
+  /// Blends the splats of ranges first to last - 1. Writes the pixels if no ranges follow.
+  void paint_batch(std::size_t first, std::size_t last, std::size_t entries, const Target& target) {
+    std::vector<std::uint32_t> begins(regions_ + 1), places((last - first) * regions_);
+    std::uint32_t next = 0;
+    for (std::size_t region = 0; region < regions_; ++region) {
+      begins[region] = next;
+      for (std::size_t range = first; range < last; ++range) {
+        places[(range - first) * regions_ + region] = next;
+        next += counts_[range * regions_ + region];
       }
-    states_[tile].reset();
+    }
+    begins[regions_] = next;
+    listed_.resize(entries);
+    for_ranges(first, last, [&](std::size_t from, std::size_t to, const std::uint32_t*) {
+      std::uint32_t* const own = places.data() + (from / kListedRange - first) * regions_;
+      for (std::size_t i = from; i < to; ++i) {
+        const PlacedGaussian& place = ordered_[i];
+        for_regions(place.tiles, [&](std::size_t region, int row, int column) {
+          const auto [left, right] = inside(column, place.tiles.left, place.tiles.right);
+          const auto [bottom, top] = inside(row, place.tiles.bottom, place.tiles.top);
+          listed_[own[region]++] = {place.index, left, right, bottom, top};
+        });
+      }
+    });
+    // Long lists first, so that all threads end at the same time.
+    std::vector<std::uint32_t> sequence(regions_);
+    std::iota(sequence.begin(), sequence.end(), 0u);
+    std::ranges::stable_sort(sequence, std::greater{},
+                             [&](std::uint32_t region) { return begins[region + 1] - begins[region]; });
+    parallel_for(
+        regions_,
+        [&](std::size_t i) {
+          const std::size_t region = sequence[i];
+          const std::span<const ListedGaussian> list(listed_.data() + begins[region],
+                                                     begins[region + 1] - begins[region]);
+          std::unique_ptr<GaussianRegion>& kept = states_[region];
+          if (!kept && list.empty()) return;
+          if (!kept && first == 0 && last == ranges_) {
+            GaussianRegion state;
+            blend(region, list, target.stops, state);
+            write(region, state, target);
+            return;
+          }
+          if (!kept) kept = std::make_unique_for_overwrite<GaussianRegion>();
+          blend(region, list, target.stops, *kept);
+          if (last < ranges_) return;
+          write(region, *kept, target);
+          kept.reset();
+        },
+        view_.threads);
   }
 
-  std::span<const GaussianSplat> splats_;
-  std::span<const GaussianSurfel> surfels_;
-  std::span<const std::uint32_t> order_;
+  [[nodiscard]] const GaussianSplat* splat_of(std::uint32_t index) const {
+    return parts_[index / kProjectedRange].projected.splats.data() + index % kProjectedRange;
+  }
+
+  void blend(std::size_t region, std::span<const ListedGaussian> list, std::span<const float> stops,
+             GaussianRegion& state) const {
+    const int left = static_cast<int>(region % static_cast<std::size_t>(columns_)) * kRegion,
+              bottom = static_cast<int>(region / static_cast<std::size_t>(columns_)) * kRegion;
+    const GaussianKernel& kernel = gaussian_kernel();
+    const auto draw = stops.empty() ? kernel.tile : kernel.stopped_tile;
+    std::array<GaussianSplat, kGatheredSplats> splats;
+    std::vector<GaussianSurfel> surfels;
+    std::array<std::array<std::uint16_t, kGatheredSplats>, GaussianRegion::kTiles> orders;
+    for (std::size_t first = 0; first < list.size() && state.open != 0; first += kGatheredSplats) {
+      std::array<std::size_t, GaussianRegion::kTiles> counts{};
+      surfels.clear();
+      const std::size_t size = std::min(kGatheredSplats, list.size() - first);
+      for (std::size_t i = 0; i < size; ++i) {
+        __builtin_prefetch(splat_of(list[std::min(first + i + kPrefetched, list.size() - 1)].index));
+        const ListedGaussian& listed = list[first + i];
+        GaussianSplat& splat = splats[i];
+        splat = *splat_of(listed.index);
+        if (splat.surfel >= 0) {
+          surfels.push_back(
+              parts_[listed.index / kProjectedRange].projected.surfels[static_cast<std::size_t>(splat.surfel)]);
+          splat.surfel = static_cast<std::int32_t>(surfels.size() - 1);
+        }
+        for (unsigned row = listed.bottom; row <= listed.top; ++row)
+          for (unsigned column = listed.left; column <= listed.right; ++column) {
+            const unsigned tile = kRegionTiles * row + column;
+            orders[tile][counts[tile]++] = static_cast<std::uint16_t>(i);
+          }
+      }
+      for (std::size_t tile = 0; tile < GaussianRegion::kTiles; ++tile) {
+        if (counts[tile] == 0 || (state.open >> tile & 1) == 0) continue;
+        const int x = left + static_cast<int>(tile) % kRegionTiles * kGaussianTile,
+                  y = bottom + static_cast<int>(tile) / kRegionTiles * kGaussianTile;
+        if ((state.used >> tile & 1) == 0) begin(state.tiles[tile], x, y, stops);
+        state.used |= 1u << tile;
+        draw({splats.data(), surfels.data()}, {orders[tile].data(), counts[tile]}, x, y, state.tiles[tile]);
+        if (state.tiles[tile].open == 0) state.open &= ~(1u << tile);
+      }
+    }
+  }
+
+  /// Clears a tile with the lower left pixel (x, y), and sets its stops.
+  void begin(GaussianTile& tile, int left, int bottom, std::span<const float> stops) const {
+    tile.clear_pixels();
+    for (int y = 0; !stops.empty() && y < kGaussianTile; ++y)
+      for (int x = 0; x < kGaussianTile; ++x)
+        tile.groups[GaussianTile::group_of(x, y)].stop[GaussianTile::lane_of(x, y)] =
+            stops[static_cast<std::size_t>(std::min(bottom + y, view_.height - 1)) *
+                      static_cast<std::size_t>(view_.width) +
+                  static_cast<std::size_t>(std::min(left + x, view_.width - 1))];
+  }
+
+  void write(std::size_t region, const GaussianRegion& state, const Target& target) const {
+    const int left = static_cast<int>(region % static_cast<std::size_t>(columns_)) * kRegion,
+              bottom = static_cast<int>(region / static_cast<std::size_t>(columns_)) * kRegion;
+    const auto pitch = static_cast<std::size_t>(view_.width);
+    const GaussianKernel& kernel = gaussian_kernel();
+    for (std::size_t tile = 0; tile < GaussianRegion::kTiles; ++tile) {
+      if ((state.used >> tile & 1) == 0) continue;
+      const int x = left + static_cast<int>(tile) % kRegionTiles * kGaussianTile,
+                y = bottom + static_cast<int>(tile) / kRegionTiles * kGaussianTile;
+      const std::size_t to = static_cast<std::size_t>(y) * pitch + static_cast<std::size_t>(x);
+      const auto width = static_cast<std::size_t>(std::min(kGaussianTile, view_.width - x)),
+                 height = static_cast<std::size_t>(std::min(kGaussianTile, view_.height - y));
+      constexpr std::size_t kWhole = kGaussianTile;
+      if (width == kWhole && height == kWhole) {
+        kernel.write(state.tiles[tile], target.pixels + 4 * to, target.depths ? target.depths + to : nullptr, pitch);
+        continue;
+      }
+      std::array<std::uint8_t, 4 * kWhole * kWhole> whole;
+      std::array<float, kWhole * kWhole> whole_depths;
+      kernel.write(state.tiles[tile], whole.data(), whole_depths.data(), kWhole);
+      for (std::size_t row = 0; row < height; ++row) {
+        std::copy_n(whole.data() + 4 * row * kWhole, 4 * width, target.pixels + 4 * (to + row * pitch));
+        if (target.depths) std::copy_n(whole_depths.data() + row * kWhole, width, target.depths + to + row * pitch);
+      }
+    }
+  }
+
+  std::span<const ProjectedPart> parts_;
+  std::span<const PlacedGaussian> ordered_;
+  std::vector<std::uint32_t>& counts_;
+  std::vector<ListedGaussian>& listed_;
   const SplatView& view_;
   const VolumeStops& stops_;
-  int columns_, rows_;
-  std::size_t tiles_;
-  std::vector<std::uint8_t> open_;  // per tile; not bits, because threads write neighbours
-  std::vector<std::unique_ptr<GaussianTile>> states_;
+  int columns_;
+  std::size_t regions_, ranges_;  // ranges of kListedRange splats
+  std::vector<std::unique_ptr<GaussianRegion>> states_;
 };
 
 }  // namespace
 
 VolumeLayer rasterize_gaussians(std::span<const GaussianItem> items, const SplatView& view, const VolumeStops& stops) {
   if (view.width <= 0 || view.height <= 0) return {};
-  ProjectedGaussians projected = project_all(items, view);
-  if (projected.splats.empty()) return {};
-  const std::vector<std::uint32_t> order = sorted(projected.distances);
-  float least = std::numeric_limits<float>::max();
-  for (auto i = order.rbegin(); i != order.rend(); ++i) {
-    least = std::min(least, projected.splats[*i].depth);
-    projected.splats[*i].least_depth = least;
+  static KeptArrays kept;
+  std::unique_ptr<GaussianArrays> arrays = kept.take();
+  project_all(items, view, arrays->parts);
+  put_in_order(*arrays, view);
+  VolumeLayer layer;
+  if (!arrays->ordered.empty()) {
+    if (!stops.near.empty()) set_least_depths(arrays->parts, arrays->ordered);
+    layer = GaussianPainter(*arrays, view, stops).paint();
   }
-  return GaussianPainter(projected, order, view, stops).paint();
+  kept.give_back(std::move(arrays));
+  return layer;
 }
 
 }  // namespace gs::render

@@ -9,6 +9,8 @@
 #include <glm/mat4x4.hpp>
 #include <glm/vec4.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -24,11 +26,18 @@ constexpr float kGaussianMostReach = 1e5f;        // pixels; larger splats are n
 struct GaussianItem {
   const qnv::Gaussians* gaussians = nullptr;
   glm::mat4 camera_from_node{1.0f};  // any affine matrix
-  std::size_t count = 0;             // number of splats to draw, from index 0 on
+  std::size_t count = 0;             // number of splats to draw, from index `first` on
   float opacity = 1;                 // factor of all opacities
   std::optional<glm::vec4> clip;     // in node space: a splat is drawn if dot(clip, (centre, 1)) is at least 0
   CameraFog fog;
+  std::size_t first = 0;  // at most the number of splats
+  float presence = 1;     // factor of the optical depth; below 1 for splats that fade in or out
 };
+
+/// Returns the opacity of a splat with less optical depth, so that two shares of it together have the whole opacity.
+[[nodiscard]] inline float faded_opacity(float opacity, float presence) {
+  return presence < 1 ? 1 - std::pow(1 - std::min(opacity, kGaussianMostAlpha), presence) : opacity;
+}
 
 /// Splats in view, unordered.
 struct ProjectedGaussians {
@@ -39,7 +48,7 @@ struct ProjectedGaussians {
 
 /// Projects splats by EWA: the covariance in the picture is J W Sigma W^T J^T + 0.3 pixels^2 (Zwicker et al. 2002;
 /// Kerbl et al. 2023). Splats without a third scale become surfels, which rays intersect (Huang et al. 2024), unless
-/// they reach the plane of the eye. Appends those of [first, last) that are in view, unordered, without splats fainter
+/// they reach the plane of the eye. Appends those of [first, last) of the item that are in view, unordered, without splats fainter
 /// than kGaussianLeastAlpha. Callers sort splats by distance from the eye, so that turning the view keeps the order.
 void project_gaussians(const GaussianItem& item, const SplatView& view, std::size_t first, std::size_t last,
                        ProjectedGaussians& out);

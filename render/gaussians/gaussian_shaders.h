@@ -156,7 +156,8 @@ void main() {
   int texel = place.first + place.index * int(form.x);
   uvec4 code = texelFetch(codes, texel);
   vec4 eye = about(item, EYE);  // w: factor of the opacity
-  float opacity = float(code.w & 0xFFFFu) * (1.0 / 65535.0) * eye.w;
+  float opacity = float(code.w & 0xFFFFu) * (1.0 / 65535.0) * eye.w, presence = about(item, FOG + 3).z;
+  if (presence < 1.0) opacity = 1.0 - pow(1.0 - min(opacity, MOST_ALPHA), presence);
   if (!(opacity >= LEAST_ALPHA)) return;
   vec4 position = vec4(uintBitsToFloat(code.xyz), 1.0);
   if (!(dot(about(item, CLIP), position) >= 0.0)) return;

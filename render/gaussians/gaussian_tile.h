@@ -16,14 +16,14 @@ constexpr float kGaussianMostAlpha = 0.99f;
 
 /// Gaussian splat in a picture. Units are viewport pixels, with pixel centres at integers. The opacity at (dx, dy) from
 /// the centre is 2^(peak - (xx dx^2 + 2 xy dx dy + yy dy^2)).
-struct GaussianSplat {
+struct alignas(64) GaussianSplat {
   float x, y;
   float xx, xy, yy;
-  float peak;              // logarithm of the opacity to the base 2, at most 0
-  float reach_x, reach_y;  // half extents of the ellipse at which the opacity is kGaussianLeastAlpha
-  float red, green, blue;  // 0 is black, 1 is white
-  float depth;             // along the view axis, > 0
-  float least_depth;       // of this splat and of all that are blended after it
+  float peak;                      // logarithm of the opacity to the base 2, at most 0
+  float left, right, bottom, top;  // box of the pixels with an opacity of at least kGaussianLeastAlpha
+  float red, green, blue;          // 0 is black, 1 is white
+  float depth;                     // along the view axis, > 0
+  float least_depth;               // of this splat and of all that are blended after it
   /// Index of the surfel that defines the opacity instead of xx, xy and yy; -1 if the splat is not a surfel.
   std::int32_t surfel = -1;
 };
@@ -37,16 +37,31 @@ struct GaussianSurfel {
 /// Low-pass of surfels (2DGS): even edge-on, a surfel has a variance of at least 1 / kSurfelScreen pixels^2.
 constexpr float kSurfelScreen = 2;
 
-/// Pixels of one tile, premultiplied.
+/// Block of 4 x 2 pixels, premultiplied. Lane 2 x + y is the pixel in column x and row y.
+struct alignas(32) GaussianGroup {
+  static constexpr std::size_t kLanes = 8;
+  using Channel = std::array<float, kLanes>;
+  Channel red, green, blue;  // 0..1 and above
+  Channel clear;             // transmittance so far, 1 to 0
+  Channel depth;             // of the last splat before which more than half of the light passed
+  Channel stop;              // depth behind which splats are hidden
+};
+
+/// Pixels of one tile. Groups are in columns: group 8 c + r has the lower left pixel (4 c, 2 r).
 struct alignas(64) GaussianTile {
-  static constexpr std::size_t kPixels = std::size_t{kGaussianTile} * kGaussianTile;
-  std::array<float, kPixels> red, green, blue;  // 0..1 and above
-  std::array<float, kPixels> clear;             // transmittance so far, 1 to 0
-  std::array<float, kPixels> depth;             // at which half of the light is absorbed; 0 means none
-  std::array<float, kPixels> stop;              // depth behind which splats are hidden
-  std::uint32_t open = 0xffff;                  // rows in which more splats can be visible, one bit each
+  static constexpr std::size_t kGroups = 32;
+  static constexpr std::uint64_t kAllGroups = 0x5555555555555555u;
+  std::array<GaussianGroup, kGroups> groups;
+  std::uint64_t open = kAllGroups;  // groups in which more splats can be visible: bit 2 i is group i
 
   void clear_pixels();
+
+  [[nodiscard]] static constexpr std::size_t group_of(int x, int y) {
+    return static_cast<std::size_t>(x / 4 * 8 + y / 2);
+  }
+  [[nodiscard]] static constexpr std::size_t lane_of(int x, int y) {
+    return static_cast<std::size_t>(x % 4 * 2 + y % 2);
+  }
 };
 
 /// Splats of a picture.
@@ -55,13 +70,18 @@ struct GaussianSplats {
   const GaussianSurfel* surfels = nullptr;
 };
 
-/// Blends the splats with indexes `order`, front to back, into a tile. (left, bottom) is the lower left pixel of the
-/// tile. May be called again with splats farther away. Stops when no splat can be visible. `stopped_tile` applies the
-/// stops, `tile` ignores them.
+/// Functions for tiles, for one instruction set.
 struct GaussianKernel {
-  using Tile = void (*)(const GaussianSplats& all, std::span<const std::uint32_t> order, int left, int bottom,
+  /// Blends the splats with indexes `order`, front to back, into a tile. (left, bottom) is the lower left pixel of the
+  /// tile. May be called again with splats farther away. Stops when no splat can be visible. `stopped_tile` applies the
+  /// stops, `tile` ignores them.
+  using Tile = void (*)(const GaussianSplats& all, std::span<const std::uint16_t> order, int left, int bottom,
                         GaussianTile& tile);
+  /// Writes the pixels of a tile as bytes R, G, B, A, and unless `depths` is null the depths at which half of the light
+  /// is absorbed (0 if less is). `pitch` is the number of pixels from one row to the next.
+  using Write = void (*)(const GaussianTile& tile, std::uint8_t* pixels, float* depths, std::size_t pitch);
   Tile tile, stopped_tile;
+  Write write;
 };
 
 /// Returns the fastest kernel for this CPU.

@@ -2,6 +2,7 @@
 
 #include "base/finite.h"
 #include "base/parallel.h"
+#include "qnv/codecs/gaussians/lod/splat_stream.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "render/rays/gaussian_pick.h"
 #include "render/splat/software/splat_constants.h"
@@ -251,10 +252,18 @@ float depth_where(const std::vector<Veil>& veils, float taken) {
 
 std::optional<DiscPick> pick_disc(const qnv::Geometry& geometry, const glm::dmat4& world_from_node, const PickRay& ray,
                                   const PickLimits& limits) {
-  if (const auto* gaussians = geometry.as<qnv::Gaussians>())
-    return pick_gaussians(*gaussians, world_from_node, ray, limits);
+  const auto* const gaussians = geometry.as<qnv::Gaussians>();
+  if (gaussians && !gaussians->stream) return pick_gaussians(*gaussians, world_from_node, ray, limits);
   const std::optional<NodeRay> node = in_node(ray, world_from_node);
   if (!node) return std::nullopt;
+  if (gaussians) {
+    std::vector<GaussianPart> parts;
+    const std::vector<qnv::SplatRun> runs =
+        gaussians->stream->cut(view_along(ray, world_from_node, *node, limits.level_vectors));
+    gaussians->stream->forget(kPickViewport);  // the next ray may be elsewhere, so keep no cut
+    for (const qnv::SplatRun& run : runs) parts.push_back({run.splats.get(), run.first, run.count});
+    return pick_gaussians(parts, world_from_node, ray, limits);
+  }
   DiscPick nearest{node->farthest, std::nullopt};
   if (const auto* octree = geometry.as<qnv::OctreeSplats>()) {
     const qnv::LodView view = view_along(ray, world_from_node, *node, limits.level_vectors);

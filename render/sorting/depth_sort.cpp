@@ -32,8 +32,9 @@ void far_first_order(std::span<const SortPart> parts, std::vector<std::uint64_t>
     const SortPart& part = parts[i];
     const std::vector<glm::vec3>& positions = part.vectors->positions;
     base -= part.count;
-    for (std::size_t k = std::min(part.count, positions.size()); k-- > 0;) {
-      const float depth = part.depth_of(positions[k]);
+    const std::size_t first = std::min(part.first, positions.size());
+    for (std::size_t k = std::min(part.count, positions.size() - first); k-- > 0;) {
+      const float depth = part.depth_of(positions[first + k]);
       entries.push_back(std::uint64_t{far_first_key(depth)} << 32 | (base + k));
     }
   }
@@ -128,7 +129,7 @@ DepthSorter::Likeness DepthSorter::likeness(std::span<const Seen> seen, std::spa
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const SortPart& part = parts[i];
     // Compare owners, not addresses: other vectors may have the same address.
-    if (seen[i].part.count != part.count || seen[i].part.by_distance != part.by_distance ||
+    if (seen[i].part.count != part.count || seen[i].part.first != part.first || seen[i].part.by_distance != part.by_distance ||
         seen[i].vectors.owner_before(part.vectors) || part.vectors.owner_before(seen[i].vectors))
       return Likeness::far;
     const Likeness own = part.by_distance ? distances_likeness(seen[i].part, part) : rows_likeness(seen[i].part, part);

@@ -29,12 +29,13 @@ void sort_by_key(std::vector<std::uint64_t>& entries, std::vector<std::uint64_t>
 /// Vectors that are sorted together with others: by depth along the view axis, or by distance from the eye.
 struct SortPart {
   std::shared_ptr<const qnv::VectorArrays> vectors;
-  std::size_t count = 0;  // number of vectors, from index 0 on
+  std::size_t count = 0;  // number of vectors, from index `first` on
   glm::vec4 row{0};       // depth along the view axis is dot(row, (position, 1))
   bool by_distance =
       false;  // instead, the depth is the squared distance: dot(position - eye, metric * (position - eye))
   glm::vec3 eye{0};
   glm::mat3 metric{1};
+  std::size_t first = 0;
 
   [[nodiscard]] float depth_of(const glm::vec3& position) const;
 };

@@ -1,5 +1,6 @@
 #include "render/splat/splat_budget.h"
 
+#include "qnv/codecs/gaussians/lod/splat_stream.h"
 #include "qnv/codecs/octree/lod/lod.h"
 
 #include <glm/glm.hpp>
@@ -8,6 +9,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <optional>
 
 namespace gs::render {
 namespace {
@@ -18,11 +20,19 @@ constexpr double kEvenPart = 0.125;
 // of the object count.
 constexpr double kMaxAPixel = 8;
 
+/// Returns the number of vectors at full detail if views take cuts of the item. 0 means unknown, nullopt that they do
+/// not.
+std::optional<std::uint64_t> vectors_of_stream(const SplatItem& item) {
+  if (const auto* octree = item.geometry->as<qnv::OctreeSplats>()) return octree->stream->header().vectors;
+  const auto* gaussians = item.geometry->as<qnv::Gaussians>();
+  return gaussians && gaussians->stream ? std::optional(gaussians->stream->header().vectors) : std::nullopt;
+}
+
 /// Estimates the maximum number of vectors that are useful for an item.
 double demand_of(const SplatItem& item, double pixels) {
-  const auto* octree = item.geometry->as<qnv::OctreeSplats>();
-  if (!octree) return static_cast<double>(item.geometry->size());
-  const auto all = static_cast<double>(octree->stream->header().vectors);
+  const std::optional<std::uint64_t> stream = vectors_of_stream(item);
+  if (!stream) return static_cast<double>(item.geometry->size());
+  const auto all = static_cast<double>(*stream);
   const double useful = pixels * kMaxAPixel * static_cast<double>(item.detail) * static_cast<double>(item.detail);
   return std::max(1.0, all > 0 ? std::min(all, useful) : useful);
 }
@@ -115,7 +125,7 @@ std::vector<std::size_t> share_budget(std::span<const SplatItem> items, const Bu
   double streams = 0;
   const auto may_grow = [&](std::size_t i) {
     const auto* const volume = items[i].geometry->as<qnv::Volume>();
-    return (items[i].geometry->as<qnv::OctreeSplats>() || (volume && volume->detail)) && items[i].detail >= 1;
+    return (vectors_of_stream(items[i]) || (volume && volume->detail)) && items[i].detail >= 1;
   };
   for (const std::size_t i : order) streams += may_grow(i) ? weights[i] : 0;
   for (const std::size_t i : order)

@@ -3,7 +3,8 @@
 # ghostspace-mpi that lets its first task encode. With --slurm, as root, also with Slurm from Debian on this machine
 # (slurmctld, slurmd, munge; ends them again). Exits with 0 if all checks pass.
 #
-# GHOSTSPACE: program instead of build/release/ghostspace. GHOSTSPACE_MPI: the real program for jobs of Slurm.
+# GHOSTSPACE: program instead of build/release/ghostspace. GHOSTSPACE_MPI: the real program for jobs of Slurm, which run it
+# by srun with PMIx and by mpirun.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
@@ -33,6 +34,8 @@ for one in "\$@"; do [ "\$one" = --resume ] || arguments+=("\$one"); done
 exec "$ghostspace" "\${arguments[@]}"
 SH
 chmod +x "$work"/bin/*
+mpi_of_jobs=${GHOSTSPACE_MPI:-}
+unset GHOSTSPACE_MPI GHOSTSPACE_LAUNCHER
 export PATH=$work/bin:$PATH GHOSTSPACE=$ghostspace
 for number in 0 1 2; do
   {
@@ -134,15 +137,21 @@ CONF
     return
   fi
   export PATH=${PATH#"$work/bin:"}
-  export GHOSTSPACE_MPI=${GHOSTSPACE_MPI:-$work/bin/ghostspace-mpi}
-  : >"$work/calls"
-  rm -rf out
-  verify "Slurm: a job of four tasks" 0 "$(status sbatch --wait --mem-per-cpu=500 --output="$work/job.out" "$script" "step 0.nrrd" slurm.qnv --lossless)"
-  cat "$work/job.out"
-  verify "Slurm: with the same bytes" "$(sha256sum <one.qnv)" "$(sha256sum <slurm.qnv)"
-  verify "Slurm: an array" 0 "$(status sbatch --wait --array=1-3 --ntasks=2 --mem-per-cpu=500 --output="$work/job.out" "$script" list out)"
-  cat "$work/job.out"
-  verify "Slurm: all steps are listed" 3 "$(grep -c '"name"' out/run.qnv.series)"
+  export GHOSTSPACE_MPI=${mpi_of_jobs:-$work/bin/ghostspace-mpi} OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+  local launchers=(srun) launcher
+  # The real program needs PMIx, of Slurm or of mpirun.
+  if [ -n "$mpi_of_jobs" ]; then launchers=("srun --mpi=pmix" mpirun); fi
+  for launcher in "${launchers[@]}"; do
+    export GHOSTSPACE_LAUNCHER=$launcher
+    rm -rf out slurm.qnv
+    verify "Slurm, $launcher: a job of four tasks" 0 "$(status sbatch --wait --mem-per-cpu=500 --output="$work/job.out" "$script" "step 0.nrrd" slurm.qnv --lossless)"
+    cat "$work/job.out"
+    verify "Slurm, $launcher: with the same bytes" "$(sha256sum <one.qnv)" "$(sha256sum <slurm.qnv)"
+    rm "$work/job.out"
+    verify "Slurm, $launcher: an array" 0 "$(status sbatch --wait --array=1-3 --ntasks=2 --mem-per-cpu=500 --output="$work/job.out" "$script" list out)"
+    cat "$work/job.out"
+    verify "Slurm, $launcher: all steps are listed" 3 "$(grep -c '"name"' out/run.qnv.series)"
+  done
 }
 if [ "${1:-}" = --slurm ]; then slurm; fi
 [ $failures -eq 0 ]

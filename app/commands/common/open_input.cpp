@@ -11,7 +11,6 @@
 #include "app/formats/gltf/gltf_losses.h"
 #include "app/formats/qnv/geometry_reader.h"
 #include "app/formats/volume/confined/confined_volume.h"
-#include "app/formats/volume/volume_common.h"
 #include "app/loading/updates/limit_report.h"
 #include "app/loading/world_loader.h"
 #include "base/text.h"
@@ -219,8 +218,8 @@ bool is_url_input(const std::string& path) {
 std::string local_input(const std::string& path) {
   const net::Url url = net::parse_url(path);
   std::string local = url.scheme == "file" ? net::path_of_url(url) : path;
-  std::string entry = zarr_entry_of_folder(local);
-  return entry.empty() ? local : entry;
+  std::string file = file_of_folder(local);
+  return file.empty() ? local : file;
 }
 
 std::optional<OpenedInput> open_input(const InputOptions& options, const std::string& path, MeshForm form) {
@@ -278,6 +277,21 @@ std::optional<OpenedInput> open_input(const InputOptions& options, const std::st
       geometry && !geometry->description().box.empty())
     size = geometry->description().box.size();
   input.upright = upright_of(is_raw(options) ? UpRule::slices : type.up, size);
+  return input;
+}
+
+std::optional<OpenedInput> open_many_splats(const std::string& path) {
+  if (is_url_input(path)) return std::nullopt;
+  const std::string local = local_input(path);
+  auto mapped = net::map_file(local);
+  if (std::holds_alternative<net::FileError>(mapped)) return std::nullopt;
+  const auto file = std::make_shared<const net::MappedFile>(std::move(std::get<net::MappedFile>(mapped)));
+  auto splats = open_splat_file(file->bytes(), [file](std::size_t bytes) { file->put_aside(bytes); });
+  if (!splats) return std::nullopt;
+  const ContentType& type = content_type_of(local, first_bytes(file->bytes()));
+  OpenedInput input{{}, std::string(type.name), file_name(local), file->bytes().size(), {}, {}, file};
+  input.upright = upright_of(type.up, splats->source.base.description.box.size());
+  input.content = std::move(*splats);
   return input;
 }
 

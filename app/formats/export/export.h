@@ -41,6 +41,9 @@ using Exported = std::variant<std::vector<std::byte>, std::string>;
 /// Exports Inria's 3DGS PLY of degree 0: x y z nx ny nz f_dc opacity scale rot. The axes are right, down, forward.
 [[nodiscard]] Exported export_splats_ply(const qnv::Geometry& geometry, const ExportOptions& options = {});
 
+/// Exports Gaussians as export_splats_ply() does, and other geometries as export_points_ply() does.
+[[nodiscard]] Exported export_ply(const qnv::Geometry& geometry, const ExportOptions& options = {});
+
 /// Exports PlayCanvas SOG, version 2, as a ZIP archive of images. Coordinates are stored as logarithms with 16 bits.
 /// Codebooks of 256 numbers hold scales, colours and harmonics. The axes are right, down, forward.
 [[nodiscard]] Exported export_sog(const qnv::Geometry& geometry, const ExportOptions& options = {});

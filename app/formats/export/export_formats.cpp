@@ -15,7 +15,9 @@ constexpr std::string_view kSogRounding =
     "SOG rounds splats: 16 bits per coordinate, 256 values for sizes and colours, a palette of harmonics";
 
 constexpr ExportFormat kExportFormats[] = {
-    {"ply", ".ply", "PLY mesh or points with normals, colours and areas", export_points_ply,
+    {"ply", ".ply", "PLY: a mesh or points with normals, colours and areas; Gaussian splats as .3dgs.ply", export_ply,
+     kKeepsTriangles | kKeepsColors | kKeepsGaussians},
+    {"points-ply", ".points.ply", "PLY mesh or points; Gaussian splats as opaque discs", export_points_ply,
      kKeepsTriangles | kKeepsColors},
     {"3dgs-ply", ".3dgs.ply", "Gaussian splats as PLY (Inria), with everything", export_splats_ply,
      kKeepsColors | kKeepsGaussians},
@@ -77,7 +79,7 @@ std::vector<std::string> export_losses(const ExportFormat& format, const qnv::Ge
   if (geometry.as<qnv::Gaussians>() && lacks(kKeepsGaussians))
     for (const auto& [key, value] : vectors.description.metadata)
       if (key == kSplatsAsDiscs)
-        losses.push_back("splats become " + value + "; .3dgs.ply, .spz, .sog and .splats.glb keep them");
+        losses.push_back("splats become " + value + "; .ply, .spz, .sog and .splats.glb keep them");
   if (geometry.as<qnv::Gaussians>() && !format.rounding.empty()) losses.emplace_back(format.rounding);
   if (volume && !volume->classes.empty()) losses.push_back("the values of the voxels become colours");
   return losses;

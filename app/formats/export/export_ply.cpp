@@ -103,4 +103,8 @@ Exported export_splats_ply(const qnv::Geometry& geometry, const ExportOptions&) 
   return bytes;
 }
 
+Exported export_ply(const qnv::Geometry& geometry, const ExportOptions& options) {
+  return geometry.as<qnv::Gaussians>() ? export_splats_ply(geometry, options) : export_points_ply(geometry, options);
+}
+
 }  // namespace gs::app

@@ -112,9 +112,22 @@ std::optional<std::string> check_buffers(const nlohmann::json& document, bool bi
   return std::nullopt;
 }
 
-/// Removes the accessors of Draco-compressed primitives. Such accessors have no data, so tinygltf would reject the
-/// whole asset. Returns true if there were any.
-bool strip_draco(nlohmann::json& document) {
+/// Returns true if the extensions of a primitive have its data instead of the accessors.
+bool has_compressed_data(const nlohmann::json& extensions) {
+  if (!extensions.is_object()) return false;
+  if (extensions.contains(kDracoExtension) || extensions.contains(kFormerSpzExtension)) return true;
+  const auto splats = extensions.find(kSplatExtension);
+  if (splats == extensions.end() || !splats->is_object()) return false;
+  const auto inner = splats->find("extensions");
+  if (inner == splats->end() || !inner->is_object()) return false;
+  for (const auto& [name, value] : inner->items())
+    if (name.starts_with(kSpzExtension)) return true;
+  return false;
+}
+
+/// Removes the accessors of compressed primitives. Such accessors have no data, so tinygltf would reject the whole
+/// asset. Returns true if there were any.
+bool strip_compressed(nlohmann::json& document) {
   bool changed = false;
   const auto meshes = document.find("meshes");
   if (meshes == document.end() || !meshes->is_array()) return false;
@@ -123,8 +136,7 @@ bool strip_draco(nlohmann::json& document) {
     if (!mesh.is_object() || primitives == mesh.end() || !primitives->is_array()) continue;
     for (nlohmann::json& primitive : *primitives) {
       if (!primitive.is_object() || !primitive.contains("extensions")) continue;
-      const nlohmann::json& extensions = primitive["extensions"];
-      if (!extensions.is_object() || !extensions.contains(kDracoExtension)) continue;
+      if (!has_compressed_data(primitive["extensions"])) continue;
       primitive.erase("indices");
       primitive["attributes"] = nlohmann::json::object();
       changed = true;
@@ -265,7 +277,7 @@ std::optional<tinygltf::Model> load_gltf(std::span<const std::byte> bytes, const
   if (const auto what = check_buffers(document, parts.binary)) return refuse(*what);
 
   std::string changed;
-  if (strip_draco(document)) changed = document.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+  if (strip_compressed(document)) changed = document.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
   // tinygltf reads beyond chunks with a size that is not a multiple of four bytes. Pad such chunks.
   if (parts.binary && (!changed.empty() || parts.json.size() % 4 != 0 || parts.bin.size() % 4 != 0))
     changed = glb_of(changed.empty() ? std::string(parts.json) : changed, parts.bin);

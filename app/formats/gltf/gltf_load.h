@@ -8,10 +8,16 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <string_view>
 
 namespace gs::app {
 
 inline constexpr const char* kDracoExtension = "KHR_draco_mesh_compression";
+inline constexpr const char* kSplatExtension = "KHR_gaussian_splatting";
+/// Draft extensions of primitives with splats as SPZ. The first one is within kSplatExtension, and its later versions
+/// have other ends. The second one is an earlier draft, beside kSplatExtension or without it.
+inline constexpr std::string_view kSpzExtension = "KHR_gaussian_splatting_compression_spz";
+inline constexpr const char* kFormerSpzExtension = "KHR_spz_gaussian_splats_compression";
 
 /// Parses an asset with tinygltf. First checks input that tinygltf does not check: nesting depth, counts, and chunks
 /// beyond the end. Images stay encoded: those of data: URLs in Image::image, the others in their files. On failure,

@@ -3,14 +3,18 @@
 #include "app/formats/gltf/gltf_accessor.h"
 #include "app/formats/gltf/gltf_load.h"
 #include "app/formats/gltf/gltf_placement.h"
+#include "app/formats/splats/splat_axes.h"
 #include "app/formats/splats/splat_transform.h"
 #include "app/formats/splats/splats.h"
 
 #include <glm/mat4x4.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -19,8 +23,6 @@
 
 namespace gs::app {
 namespace {
-
-constexpr std::string_view kSplatExtension = "KHR_gaussian_splatting";
 
 const std::string& prefix() {
   static const std::string text = std::string(kSplatExtension) + ":";
@@ -48,9 +50,14 @@ class SplatReader {
   [[nodiscard]] const SplatModel& read() {
     find_places();
     int degree = 0;
-    for (const Place& place : places_) degree = std::max(degree, degree_of(*place.primitive));
+    for (const Place& place : places_)
+      degree = std::max(degree, place.spz ? spz_of(place).harmonics : degree_of(*place.primitive));
     splats_.set_degree(degree);
-    for (const Place& place : places_) add(place);
+    for (const Place& place : places_)
+      if (place.spz)
+        add_spz(place);
+      else
+        add(place);
     if (others_ > 0)
       builder_.warn(std::to_string(others_) + " meshes beside the splats are left out; expected splats only");
     return splats_;
@@ -60,6 +67,7 @@ class SplatReader {
   struct Place {
     const tinygltf::Primitive* primitive;
     glm::mat4 world;
+    std::optional<int> spz;  // buffer view with the splats as SPZ
   };
 
   /// Finds the primitives of splats, each with the transformation of its node. Visits each node once.
@@ -77,10 +85,63 @@ class SplatReader {
       for (const int child : node.children) open.emplace_back(child, world);
       if (node.mesh < 0 || static_cast<std::size_t>(node.mesh) >= model_.meshes.size()) continue;
       for (const tinygltf::Primitive& primitive : model_.meshes[static_cast<std::size_t>(node.mesh)].primitives)
-        if (primitive.extensions.contains(std::string(kSplatExtension)))
-          places_.push_back({&primitive, world});
+        if (primitive.extensions.contains(kSplatExtension) || primitive.extensions.contains(kFormerSpzExtension))
+          places_.push_back({&primitive, world, spz_view(primitive)});
         else
           ++others_;
+    }
+  }
+
+  /// Returns the buffer view of splats in SPZ, or nullopt for a primitive without SPZ.
+  [[nodiscard]] static std::optional<int> spz_view(const tinygltf::Primitive& primitive) {
+    const auto view_of = [](const tinygltf::Value& extension) {
+      return extension.IsObject() && extension.Has("bufferView") && extension.Get("bufferView").IsInt()
+                 ? extension.Get("bufferView").Get<int>()
+                 : -1;
+    };
+    if (const auto former = primitive.extensions.find(kFormerSpzExtension); former != primitive.extensions.end())
+      return view_of(former->second);
+    const tinygltf::Value& extension = primitive.extensions.at(kSplatExtension);
+    if (!extension.Has("extensions") || !extension.Get("extensions").IsObject()) return std::nullopt;
+    for (const std::string& name : extension.Get("extensions").Keys())
+      if (name.starts_with(kSpzExtension)) return view_of(extension.Get("extensions").Get(name));
+    return std::nullopt;
+  }
+
+  /// Decodes the splats of a primitive with SPZ, once for each buffer view.
+  const SplatModel& spz_of(const Place& place) {
+    const auto [known, is_new] = spz_.try_emplace(*place.spz);
+    if (!is_new) return known->second;
+    const std::span<const unsigned char> bytes = accessors_.view(*place.spz);
+    auto problem = bytes.empty() ? std::optional<std::string>("its buffer view is missing; expected SPZ")
+                                 : read_spz_model(std::as_bytes(bytes), builder_.budget(), known->second);
+    if (problem) {
+      builder_.fail("splats in SPZ: " + *problem);
+      known->second = {};
+    }
+    return known->second;
+  }
+
+  /// Adds splats in SPZ. SPZ stores the axes right, up, back; the extension demands left, up, front.
+  void add_spz(const Place& place) {
+    const SplatModel& from = spz_of(place);
+    const std::size_t first = splats_.size(), count = from.size();
+    if (count == 0) return;
+    splats_.format = "glTF KHR_gaussian_splatting with SPZ";
+    if (const auto problem = splats_.append(from, 0, count, builder_.budget())) return builder_.fail(*problem);
+    splats_.announced += count;
+    const glm::vec3 axes = from.axes * glm::vec3(-1, 1, -1);
+    const SplatTransform transform{glm::mat3(place.world)};
+    const std::array<float, 15> signs = harmonic_signs(axes);
+    const std::size_t per = qnv::harmonic_count(splats_.degree);
+    for (std::size_t i = first; i < first + count; ++i) {
+      splats_.positions[i] = glm::dmat4(place.world) * glm::dvec4(splats_.positions[i] * glm::dvec3(axes), 1);
+      splats_.rotations[i] = turned(splats_.rotations[i], axes);
+      transform.apply(splats_.scales[i], splats_.rotations[i]);
+      if (per == 0) continue;
+      const auto coefficients = std::span(splats_.coefficients).subspan(i * per, per);
+      for (std::size_t k = 0; k < per; ++k) coefficients[k] *= signs[k];
+      transform.apply(coefficients);
     }
   }
 
@@ -110,7 +171,7 @@ class SplatReader {
 
   /// Reports properties of the extension that change the picture.
   [[nodiscard]] bool check_extension(const tinygltf::Primitive& primitive) {
-    const tinygltf::Value& extension = primitive.extensions.at(std::string(kSplatExtension));
+    const tinygltf::Value& extension = primitive.extensions.at(kSplatExtension);
     const auto text_of = [&](const char* key) {
       return extension.Has(key) && extension.Get(key).IsString() ? extension.Get(key).Get<std::string>()
                                                                  : std::string();
@@ -118,7 +179,8 @@ class SplatReader {
     if (extension.Has("extensions") && extension.Get("extensions").IsObject())
       for (const std::string& name : extension.Get("extensions").Keys())
         if (name.find("compression") != std::string::npos) {
-          builder_.fail("the compression of splats by " + name.substr(0, 100) + " is not supported");
+          builder_.fail("the compression of splats by " + name.substr(0, 100) +
+                        " is not supported; expected SPZ, or no compression");
           return false;
         }
     if (const std::string kernel = text_of("kernel"); !kernel.empty() && kernel != "ellipse")
@@ -192,6 +254,7 @@ class SplatReader {
   GltfAccessors accessors_;
   SplatModel splats_;
   std::vector<Place> places_;
+  std::map<int, SplatModel> spz_;  // decoded splats, by buffer view
   std::size_t others_ = 0;
   bool linear_ = false, linear_reported_ = false;
 };
@@ -202,7 +265,8 @@ bool is_gltf_splats(std::span<const std::byte> bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   const std::size_t begin = text.find_first_not_of(" \t\r\n");
   const bool gltf = text.starts_with("glTF") || (begin != std::string_view::npos && text[begin] == '{');
-  return gltf && text.find('"' + std::string(kSplatExtension) + '"') != std::string_view::npos;
+  const auto has = [&](const char* name) { return text.find('"' + std::string(name) + '"') != std::string_view::npos; };
+  return gltf && (has(kSplatExtension) || has(kFormerSpzExtension));
 }
 
 Asset read_gltf_splats(const ImportSource& source) {

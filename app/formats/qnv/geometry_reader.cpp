@@ -1,4 +1,5 @@
 #include "app/formats/qnv/geometry_reader.h"
+#include "app/formats/qnv/held_streams.h"
 #include "app/formats/qnv/surface_pictures.h"
 
 #include "app/formats/common/color_key.h"
@@ -29,9 +30,8 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kReadBytes = std::size_t{1} << 20;
 // Maximum number of vectors of a volume that is opened only for viewing.
 constexpr std::uint64_t kMaxGradients = std::uint64_t{1} << 24;
-// Bytes per vector, in three states: stored and drawn, in cuts and caches of a packed stream, and while gradients are
-// sorted.
-constexpr std::uint64_t kHeldBytes = 64, kLevelBytes = 96, kGradientBytes = 90;
+// Bytes per vector, in two states: stored and drawn, and while gradients are sorted.
+constexpr std::uint64_t kHeldBytes = 64, kGradientBytes = 90;
 constexpr std::chrono::milliseconds kCancelWait{50};
 constexpr const char* kLate = "the time limit for loading was reached; skipped the rest of the file";
 
@@ -42,6 +42,7 @@ class GeometryFileReader {
       : file_(file), diagnostics_(diagnostics), limit_(limit), budget_(budget) {}
 
   std::optional<qnv::Geometry> levels(qnv::LodStream::Opened opened);
+  std::optional<qnv::Geometry> cuts(qnv::SplatStream::Opened opened);
   std::optional<qnv::Geometry> bricks(const std::shared_ptr<const qnv::ChunkSource>& source);
   std::optional<qnv::Geometry> brick_series(const std::shared_ptr<const qnv::ChunkSource>& source,
                                             const qnv::StreamHeader& header, BrickShare share);
@@ -84,6 +85,17 @@ std::optional<qnv::Geometry> GeometryFileReader::levels(qnv::LodStream::Opened o
   return qnv::OctreeSplats(stream);
 }
 
+// Keeps a stream of Gaussians encoded, in memory or in its file. Views decode the visible parts.
+std::optional<qnv::Geometry> GeometryFileReader::cuts(qnv::SplatStream::Opened opened) {
+  auto* made = std::get_if<std::unique_ptr<qnv::SplatStream>>(&opened);
+  if (!made) return std::nullopt;
+  const std::shared_ptr<qnv::SplatStream> stream = hold_cuts(std::move(*made), budget_, false);
+  for (const qnv::StreamProblem& problem : stream->problems())
+    if (!(file_.cut && problem.message.starts_with("ends ")))
+      report(Severity::warning, "byte " + std::to_string(problem.offset) + ": " + problem.message);
+  return gaussians_of(stream);
+}
+
 // Keeps a volume that is larger than memory in its file. Views decode the visible parts.
 std::optional<qnv::Geometry> GeometryFileReader::bricks(const std::shared_ptr<const qnv::ChunkSource>& source) {
   std::size_t header_bytes = 0;
@@ -120,8 +132,10 @@ std::optional<qnv::Geometry> GeometryFileReader::stream() {
     const auto source = stream_source(file_.path);
     // The path may refer to another file by now. Compare the sizes.
     if (source && source->size() == file_.bytes.size()) {
-      if (file_.to_draw)
+      if (file_.to_draw) {
         if (auto geometry = bricks(source)) return geometry;
+        if (auto geometry = cuts(qnv::SplatStream::open(source))) return geometry;
+      }
       if (auto geometry = levels(qnv::LodStream::open(source))) return geometry;
     }
   }
@@ -129,6 +143,8 @@ std::optional<qnv::Geometry> GeometryFileReader::stream() {
     std::vector<std::byte> bytes = file_.loss > 0 ? qnv::drop_packets(file_.bytes, file_.loss, file_.loss_seed)
                                                   : std::vector<std::byte>(file_.bytes.begin(), file_.bytes.end());
     if (file_.loss > 0) arrived_ = bytes;
+    if (file_.to_draw)
+      if (auto geometry = cuts(qnv::SplatStream::open(bytes))) return geometry;
     if (auto geometry = levels(qnv::LodStream::open(std::move(bytes)))) return geometry;
   }
   qnv::StreamDecoder decoder(most_decoded_vectors(*budget_));
@@ -218,32 +234,6 @@ std::uint64_t most_gradients(const Budget& budget) { return budget.left(Resource
 
 std::size_t most_decoded_vectors(const Budget& budget) {
   return static_cast<std::size_t>(budget.left(Resource::vectors) / kDecodedBytes);
-}
-
-std::shared_ptr<qnv::LodStream> hold_levels(std::unique_ptr<qnv::LodStream> stream, const WorldBudget& budget,
-                                            bool grows) {
-  struct Held {
-    std::unique_ptr<qnv::LodStream> stream;
-    Share share, arrived;
-  };
-  // A small stream gets the amount that its header requires. Any other stream gets half of the remaining budget.
-  constexpr std::uint64_t kAtLeast = std::uint64_t{1} << 20, kMaxCounted = std::uint64_t{1} << 40;
-  const std::uint64_t wanted = kAtLeast + kLevelBytes * std::min(stream->header().vectors, kMaxCounted);
-  const std::uint64_t bytes = std::min(wanted, budget->left(Resource::vectors) / 2);
-  auto held = std::make_shared<Held>(Held{std::move(stream), Share(budget, Resource::vectors), {}});
-  (void)held->share.grow(bytes);
-  qnv::LodLimits limits;
-  limits.cache_bytes = std::min<std::size_t>(limits.cache_bytes, held->share.amount() / 2);
-  limits.discs = held->share.amount() / kLevelBytes;
-  if (grows) {
-    // The directory follows all chunks, so its offset is their total size.
-    const std::uint64_t directory = held->stream->header().directory, left = budget->left(Resource::files) / 2;
-    held->arrived = Share(budget, Resource::files);
-    (void)held->arrived.grow(directory > 0 ? std::min(left, directory) : left / 2);
-    limits.arrived_bytes = kAtLeast + held->arrived.amount();
-  }
-  held->stream->set_limits(limits);
-  return {held, held->stream.get()};
 }
 
 BrickShare::BrickShare(const WorldBudget& budget, bool grows, std::uint64_t parts)

@@ -7,7 +7,6 @@
 #include "base/diagnostic.h"
 #include "base/parallel.h"
 #include "qnv/base/geometry.h"
-#include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/octree/lod/lod_source.h"
 #include "qnv/codecs/values/arrays/array_volume.h"
 #include "qnv/codecs/values/bricks/brick_series.h"
@@ -73,10 +72,6 @@ struct GeometryFile {
 inline constexpr std::uint64_t kDecodedBytes = 128;
 /// Returns the maximum number of vectors to decode from a stream at once.
 [[nodiscard]] std::size_t most_decoded_vectors(const Budget& budget);
-/// Charges `budget` for the cuts, cache and chunks of a packed stream, and limits them to that share. The result owns
-/// the stream and its share. `grows` means that the stream keeps received chunks.
-[[nodiscard]] std::shared_ptr<qnv::LodStream> hold_levels(std::unique_ptr<qnv::LodStream> stream,
-                                                          const WorldBudget& budget, bool grows);
 
 /// Charges `budget` for the bricks and received chunks of a volume that is larger than memory. The result owns the
 /// share.

@@ -118,6 +118,38 @@ void SplatModel::resize(std::size_t count) {
   coefficients.resize(count * qnv::harmonic_count(degree));
 }
 
+std::optional<std::string> SplatModel::append(const SplatModel& part, std::size_t first, std::size_t count,
+                                              const WorldBudget& budget) {
+  if (size() == 0) set_degree(part.harmonics);
+  if (part.degree > degree) {
+    const std::size_t before = qnv::harmonic_count(degree), after = qnv::harmonic_count(part.degree);
+    if (!share.grow(2 * sizeof(glm::vec3) * (after - before) * size()))
+      return std::to_string(size()) + " splats take " + budget->refusal(Resource::vectors);
+    std::vector<glm::vec3> wider(size() * after, glm::vec3(0));
+    for (std::size_t i = 0; i < size(); ++i)
+      std::copy_n(coefficients.begin() + static_cast<std::ptrdiff_t>(i * before), before,
+                  wider.begin() + static_cast<std::ptrdiff_t>(i * after));
+    coefficients = std::move(wider);
+    set_degree(part.harmonics);
+  }
+  if (auto problem = draw(budget, count)) return problem;
+  const std::size_t start = size();
+  resize(start + count);
+  antialiased = part.antialiased;
+  const std::size_t per = qnv::harmonic_count(degree), held = qnv::harmonic_count(part.degree);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t from = first + i, to = start + i;
+    positions[to] = part.positions[from];
+    scales[to] = part.scales[from];
+    rotations[to] = part.rotations[from];
+    opacities[to] = part.opacities[from];
+    dc[to] = part.dc[from];
+    std::copy_n(part.coefficients.begin() + static_cast<std::ptrdiff_t>(from * held), held,
+                coefficients.begin() + static_cast<std::ptrdiff_t>(to * per));
+  }
+  return std::nullopt;
+}
+
 qnv::Gaussians vectors_of_splats(const SplatModel& model) {
   qnv::Gaussians splats;
   qnv::Description& description = splats.description;

@@ -69,6 +69,10 @@ struct SplatModel {
   /// exceeded.
   [[nodiscard]] std::optional<std::string> draw(const WorldBudget& budget, std::uint64_t count);
   void resize(std::size_t count);
+  /// Appends `count` splats of `part` from index `first` on, with the larger degree of both. Charges memory for them.
+  /// Returns a message if the budget is exceeded.
+  [[nodiscard]] std::optional<std::string> append(const SplatModel& part, std::size_t first, std::size_t count,
+                                                  const WorldBudget& budget);
   /// Returns a coefficient. `number` counts from 0 (degree 1, m = -1).
   [[nodiscard]] glm::vec3& coefficient(std::size_t splat, std::size_t number) {
     return coefficients[splat * qnv::harmonic_count(degree) + number];
@@ -95,6 +99,13 @@ using ImportedVectors = std::variant<qnv::Splats, qnv::Gaussians, std::string>;
 /// Returns a surface of discs if all splats are flat and opaque and have one colour, as in our exports. Otherwise
 /// returns Gaussians. Returns a message if no splat remains.
 [[nodiscard]] ImportedVectors import_result(const SplatModel& model);
+
+struct PlyTable;
+
+/// Reads the rows of a 3DGS or 2DGS PLY file into an empty model. Returns a message if it has other properties, or if
+/// the budget is exceeded.
+[[nodiscard]] std::optional<std::string> read_splats(const PlyTable& table, SplatModel& model,
+                                                     const WorldBudget& budget);
 
 /// Imports Inria's 3D Gaussian splatting PLY, or 2DGS PLY (without scale_2), ascii or binary. The axes are right, down,
 /// forward. A truncated file gives its complete splats.
@@ -124,6 +135,9 @@ using ImportedVectors = std::variant<qnv::Splats, qnv::Gaussians, std::string>;
 /// or those of the coordinate system extension.
 [[nodiscard]] ImportedVectors import_splats_spz(std::span<const std::byte> bytes,
                                                 const WorldBudget& budget = own_budget());
+/// Reads SPZ into `model`. Returns a message on failure. Safe for untrusted input; memory is charged to the budget.
+[[nodiscard]] std::optional<std::string> read_spz_model(std::span<const std::byte> bytes, const WorldBudget& budget,
+                                                        SplatModel& model);
 /// Returns true if the data begin with "NGSP". Decompresses the start of gzip data to check that.
 [[nodiscard]] bool is_splats_spz(std::span<const std::byte> bytes);
 

@@ -13,6 +13,7 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -29,6 +30,9 @@ using RadProblem = std::optional<std::string>;
 
 constexpr std::uint32_t kRadMagic = 0x30444152, kRadChunkMagic = 0x43444152;  // "RAD0", "RADC"
 constexpr std::size_t kMostRadMeta = std::size_t{16} << 20, kMostRadChunks = 1 << 20, kMostRadCodes = 1 << 20;
+constexpr std::size_t kMostInflation = 1032;  // bytes that one byte of deflated data can become
+constexpr std::size_t kLeastCenterBytes = 6;  // of the position of a splat, not deflated
+constexpr std::size_t kMostRadProperties = 256;
 constexpr std::uint64_t kMostRadSplats = std::uint64_t{1} << 31;
 
 std::size_t rad_padded(std::size_t size) { return (size + 7) / 8 * 8; }
@@ -132,7 +136,7 @@ glm::vec4 rotation_of_oct88r8(const std::byte* raw) {
 /// Reader of a RAD file.
 class RadReader {
  public:
-  explicit RadReader(const ImportSource& source) : source_(source) {}
+  explicit RadReader(const ImportSource& source) : source_(source), readable_(source.bytes.size()) {}
 
   /// Reads the complete chunks, as many as fit into memory, and keeps the finest splats. Returns a message if no splats
   /// remain.
@@ -172,10 +176,14 @@ class RadReader {
       beside = std::get<SharedBytes>(std::move(file));
       bytes = beside.bytes;
       start = 0;
+      if (beside_.insert(name).second) readable_ += bytes.size();
     }
     const std::uint64_t offset = rad_number(range, "offset"), length = rad_number(range, "bytes");
     if (start > bytes.size() || offset > bytes.size() - start || length > bytes.size() - start - offset)
       return "its end is missing";
+    // Otherwise a short file could take any time.
+    if (length > readable_) return "its chunks overlap";
+    readable_ -= length;
     bytes = bytes.subspan(start + static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
     const auto head = read_rad_head(bytes, kRadChunkMagic);
     if (!head || bytes.size() - head->end < 8) return "a chunk is damaged";
@@ -186,8 +194,11 @@ class RadReader {
     const std::uint64_t count = rad_number(meta, "count");
     const auto properties = meta.find("properties");
     if (count == 0 || count > kMostRadSplats || rad_number(meta, "base") != model.size() || properties == meta.end() ||
-        !properties->is_array())
+        !properties->is_array() || properties->size() > kMostRadProperties)
       return "a chunk is damaged";
+    if (count > payload.size() * kMostInflation / kLeastCenterBytes)
+      return "a chunk of " + std::to_string(payload.size()) + " bytes announces " + std::to_string(count) + " splats";
+    unread_ = payload.size();
     if (auto problem = model.draw(source_.budget, count)) return problem;
     const std::size_t first = model.size(), end = first + static_cast<std::size_t>(count);
     model.resize(end);
@@ -212,7 +223,10 @@ class RadReader {
     const std::uint64_t offset = rad_number(property, "offset"), length = rad_number(property, "bytes");
     if (offset > payload.size() || length > payload.size() - offset || length > std::numeric_limits<uInt>::max())
       return std::string("a property is damaged");
+    if (length > unread_) return std::string("the properties of a chunk overlap");
+    unread_ -= length;
     const auto packed = payload.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
+    most = static_cast<std::size_t>(std::min<std::uint64_t>(most, (length + 1) * kMostInflation));
     if (!share_.grow(most)) return "RAD needs " + source_.budget->refusal(Resource::files);
     const std::string compression = rad_text(property, "compression");
     if (compression.empty()) return std::vector<std::byte>(packed.begin(), packed.end());
@@ -332,6 +346,9 @@ class RadReader {
   }
 
   const ImportSource& source_;
+  std::uint64_t readable_;                   // bytes of all files that no chunk has used
+  std::uint64_t unread_ = 0;                 // bytes of the chunk that no property has used
+  std::set<std::string> beside_;             // files with chunks that were read
   std::vector<std::uint16_t> children_;      // number of children of each node
   std::vector<std::uint32_t> starts_;        // index of the first child of each node
   std::vector<std::uint32_t> labels_;        // palette entry of each splat of a chunk

@@ -72,6 +72,11 @@ std::optional<std::vector<float>> sog_numbers(const Json& from, const char* key,
   return numbers;
 }
 
+/// Returns true for the name of a file in the folder of meta.json.
+bool is_file_beside(const std::string& name) {
+  return !name.empty() && name.find_first_of("/\\:?#%") == std::string::npos && name != "..";
+}
+
 const Json& member(const Json& from, const char* key) {
   static const Json none = Json::object();
   const auto found = from.find(key);
@@ -131,7 +136,7 @@ class SogReader {
     if (files == described.end() || !files->is_array() || files->size() <= number || !(*files)[number].is_string())
       return std::string("meta.json names no file of the ") + content;
     const std::string name = (*files)[number].get<std::string>();
-    if (name.find_first_of("/\\:") != std::string::npos) return "meta.json names a file in another folder: " + name;
+    if (!is_file_beside(name)) return "meta.json names a file in another folder: " + name;
     auto image = decoded_image(name, read_, budget_);
     if (auto* problem = std::get_if<std::string>(&image)) return std::move(*problem);
     to = std::move(std::get<Pixels>(image));
@@ -283,6 +288,22 @@ std::variant<qnv::Splats, qnv::Gaussians, std::string> import_sog(const ImportSo
 }
 
 }  // namespace
+
+std::vector<std::string> sog_files_of(std::span<const std::byte> text) {
+  std::vector<std::string> names;
+  if (text.size() > kMostMeta) return names;
+  const auto* const characters = reinterpret_cast<const char*>(text.data());
+  const Json meta = Json::parse(characters, characters + text.size(), nullptr, false);
+  if (!meta.is_object()) return names;
+  for (const char* key : {"means", "scales", "quats", "sh0", "shN"}) {
+    const Json& described = member(meta, key);
+    const auto files = described.find("files");
+    if (files == described.end() || !files->is_array() || files->size() > 2) continue;
+    for (const Json& file : *files)
+      if (file.is_string() && is_file_beside(file.get<std::string>())) names.push_back(file.get<std::string>());
+  }
+  return names;
+}
 
 std::optional<std::string> read_sog_model(std::span<const std::byte> text, const ReadFile& read,
                                           const WorldBudget& budget, SplatModel& model) {

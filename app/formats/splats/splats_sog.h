@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace gs::app {
 
@@ -25,11 +26,15 @@ struct SplatModel;
 [[nodiscard]] std::optional<std::string> read_sog_model(std::span<const std::byte> meta, const ReadFile& read,
                                                         const WorldBudget& budget, SplatModel& model);
 
+/// Returns the names of the images that a meta.json lists, without those in other folders. Safe for untrusted text.
+[[nodiscard]] std::vector<std::string> sog_files_of(std::span<const std::byte> meta);
+
 /// Returns true for streamed SOG: lod-meta.json, which lists SOGs of several levels of detail.
 [[nodiscard]] bool is_splats_sog_levels(std::span<const std::byte> bytes);
 
 /// Imports streamed SOG. For each part of the scene, reads the finest level that fits into memory and is readable.
-/// Reads only the files of these levels. Warns if finer levels are left out. Safe for untrusted input.
+/// Reads only the files of these levels. Warns if finer levels are left out. Also reads the text of text_of_sog_parts().
+/// Safe for untrusted input.
 [[nodiscard]] Asset read_splats_sog_levels(const ImportSource& source);
 
 }  // namespace gs::app

@@ -142,7 +142,7 @@ void SplatsPanel::button_rows(const UiSplats& splats, SplatEdit& edit, UiActions
   frame_->tooltips.show("Removes all edits");
   ImGui::SameLine();
   if (ImGui::Button("Save as...")) actions.run = Action::save_as;
-  frame_->tooltips.show("Writes the edited splats as .3dgs.ply, .spz, .sog, .splats.glb or .qnv");
+  frame_->tooltips.show("Writes the edited splats as .ply, .spz, .sog, .splats.glb or .qnv");
   ImGui::SameLine();
   ImGui::BeginDisabled(!edits);
   if (ImGui::Button("Copy command")) ImGui::SetClipboardText(splats.command.c_str());

@@ -3,7 +3,7 @@
 #include "app/formats/volume/volume.h"
 #include "app/loading/fetch/loading.h"
 #include "app/loading/fetch/partial_file.h"
-#include "net/load/transport.h"
+#include "net/transfer/transport.h"
 
 #include <algorithm>
 #include <iterator>
@@ -153,8 +153,7 @@ void NetworkTransfers::take(Fetch& fetch, net::LoadEvent& event) {
 }
 
 void NetworkTransfers::cancel_stream(std::uint64_t row) {
-  for (const auto& stream : streams_)
-    if (stream->row() == row) stream->cancel();
+  for (const auto& stream : streams_) stream->cancel_row(row);
 }
 
 bool NetworkTransfers::step_streams() {
@@ -211,10 +210,12 @@ bool NetworkTransfers::read_parts(Fetch& fetch) {
   const auto counter = std::make_shared<std::atomic<std::uint64_t>>(0);
   PartsOffer offer{{url, fetch.from, fetch.validator, *fetch.total}, loading_.fetcher.served_files(), counter};
   if (fetch.refresh) offer.place.cache = net::CacheUse::reload;
-  if (!fetch.handler->take_parts(offer)) return false;
-  loading_.fetcher.count_received(counter->exchange(0));
-  fetch.total.reset();
   fetch.parts = counter;
+  if (!fetch.handler->take_parts(offer)) {
+    fetch.parts.reset();
+    return false;
+  }
+  fetch.total.reset();
   loading_.fetcher.finish(fetch, std::nullopt);
   return true;
 }
@@ -252,7 +253,7 @@ void NetworkTransfers::take_rest(Fetch& fetch) {
     sink.end = [&fetcher, &fetch](const std::optional<std::string>& problem) { fetcher.finish(fetch, problem); };
     sink.read_on = [this, &fetch] { ask(fetch, {{fetch.received, *fetch.total}}); };
   }
-  streams_.push_back(std::make_unique<RangedStream>(loader(), std::move(feed), std::move(place), std::move(sink)));
+  streams_.push_back(std::make_shared<RangedStream>(loader(), std::move(feed), std::move(place), std::move(sink)));
   if (!leaves) return;
   fetch.handler->leave_to_feed();
   loading_.fetcher.leave_to_views(fetch);

@@ -6,6 +6,7 @@
 #include "app/loading/fetch/load_notices.h"
 #include "app/loading/fetch/read_resources.h"
 #include "app/streams/ranged_stream.h"
+#include "app/streams/viewed_transfer.h"
 #include "net/load/loader.h"
 #include "vrml/scene/scene_graph.h"
 
@@ -52,6 +53,8 @@ class NetworkTransfers {
 
   /// Cancels the stream of this row in the ledger.
   void cancel_stream(std::uint64_t row);
+  /// Adds a transfer of which views choose the parts.
+  void add_stream(std::shared_ptr<ViewedTransfer> stream) { streams_.push_back(std::move(stream)); }
   /// Requests what views want. Returns true if there was anything.
   bool step_streams();
   [[nodiscard]] bool has_streams() const { return !streams_.empty(); }
@@ -80,7 +83,7 @@ class NetworkTransfers {
   std::unique_ptr<net::Loader> loader_;  // created for the first network resource
   std::unordered_map<std::uint64_t, Fetch*> by_request_;
   std::deque<net::LoadEvent> events_;  // received events that are not handled yet
-  std::vector<std::unique_ptr<RangedStream>> streams_;
+  std::vector<std::shared_ptr<ViewedTransfer>> streams_;
   bool streams_grew_ = false;
   std::function<Importance(const Nodes&)> importance_;
   std::chrono::steady_clock::time_point next_priorities_;

@@ -2,6 +2,7 @@
 
 #include "app/formats/qnv/geometry_reader.h"
 #include "app/session/documents/documents.h"
+#include "qnv/codecs/gaussians/lod/splat_stream.h"
 
 #include <algorithm>
 #include <chrono>
@@ -119,19 +120,22 @@ bool SplatEdits::follow(Document& document, const std::function<void()>& wake) {
 
 void SplatEdits::begin(Document& document, std::function<void()> wake) {
   came_ = false;
-  coming_ = std::async(std::launch::async,
-                       [this, original = original_, edit = edit_, budget = document.world.scene->budget(),
-                        wake = std::move(wake)]() -> Made {
-                         Made made{nullptr, original, edit, {}};
-                         if (has_room_for(*original, *budget)) {
-                           qnv::Gaussians splats = *original->as<qnv::Gaussians>();
-                           made.removed = edit_splats(splats, edit);
-                           made.geometry = hold_geometry(std::move(splats), budget);
-                         }
-                         came_ = true;  // the next step may begin before the future is ready
-                         if (wake) wake();
-                         return made;
-                       });
+  const auto& stream = original_->as<qnv::Gaussians>()->stream;
+  const std::size_t most = most_decoded_vectors(*document.world.scene->budget());
+  coming_ =
+      std::async(std::launch::async,
+                 [this, original = original_, edit = edit_, budget = document.world.scene->budget(), most,
+                  whole = stream ? std::optional(stream->whole()) : std::nullopt, wake = std::move(wake)]() -> Made {
+                   Made made{nullptr, original, edit, {}};
+                   if (whole ? most > 0 : has_room_for(*original, *budget)) {
+                     qnv::Gaussians splats = whole ? whole->decode(most) : *original->as<qnv::Gaussians>();
+                     made.removed = edit_splats(splats, edit);
+                     made.geometry = hold_geometry(std::move(splats), budget);
+                   }
+                   came_ = true;  // the next step may begin before the future is ready
+                   if (wake) wake();
+                   return made;
+                 });
 }
 
 void SplatEdits::show(Document& document, const OnlySplats& place, Shared geometry, const SplatEdit& edit) {
@@ -146,9 +150,18 @@ const SplatExtent& SplatEdits::extent(const LoadedWorld& world) {
   const auto splats = only_splats(world);
   if (!splats) return extent_ = {};
   const Shared& of = original_ && splats->geometry == shown_ ? original_ : splats->geometry;
-  if (extent_of_.lock() == of) return extent_;
+  using namespace std::chrono_literals;
+  if (extent_coming_.valid() && extent_coming_.wait_for(0s) == std::future_status::ready)
+    extent_ = extent_coming_.get();
+  if (extent_of_.lock() == of || extent_coming_.valid()) return extent_;
   extent_of_ = of;
-  return extent_ = extent_of_splats(*of->as<qnv::Gaussians>());
+  constexpr std::size_t kMeasured = 50'000;  // Gaussians of a stream
+  const auto& gaussians = *of->as<qnv::Gaussians>();
+  if (gaussians.stream) return extent_ = extent_of_splats(gaussians.stream->overview(kMeasured));
+  if (gaussians.size() <= kMostRanked) return extent_ = extent_of_splats(gaussians);
+  // Until the thread is done, controls have the ranges of the splats before.
+  extent_coming_ = std::async(std::launch::async, [of] { return extent_of_splats(*of->as<qnv::Gaussians>()); });
+  return extent_;
 }
 
 }  // namespace gs::app

@@ -61,7 +61,8 @@ class SplatEdits : NonCopyable {
   [[nodiscard]] const SplatsRemoved& removed() const { return removed_; }
   /// Returns the reason why the edit is not shown; empty if there is none.
   [[nodiscard]] const std::string& problem() const { return problem_; }
-  /// Returns the extent of the unedited splats of `world`.
+  /// Returns the extent of the unedited splats of `world`. A background thread computes that of many splats; until it
+  /// is done, returns the previous extent.
   [[nodiscard]] const SplatExtent& extent(const LoadedWorld& world);
 
  private:
@@ -90,6 +91,7 @@ class SplatEdits : NonCopyable {
   std::string problem_;
   SplatExtent extent_;
   std::weak_ptr<const qnv::Geometry> extent_of_;
+  std::future<SplatExtent> extent_coming_;
   std::atomic<bool> came_ = false;  // `coming_` is ready, or returns at once
   std::future<Made> coming_;
 };

@@ -161,15 +161,17 @@ TEST_CASE("names what formats without opacity lose of Gaussians") {
     REQUIRE(format);
     return export_losses(*format, geometry);
   };
-  for (const char* path : {"a.3dgs.ply", "a.splats.glb"}) CHECK(losses_of(path).empty());
+  for (const char* path : {"a.ply", "a.3dgs.ply", "a.splats.glb"}) CHECK(losses_of(path).empty());
   for (const char* path : {"a.spz", "a.v3.spz", "a.sog"}) {
     REQUIRE(losses_of(path).size() == 1);
     CHECK(losses_of(path)[0].find(" rounds splats: ") != std::string::npos);
   }
-  REQUIRE(losses_of("a.ply").size() == 1);
-  CHECK(losses_of("a.ply")[0] ==
-        "splats become opaque surface splats, without their opacity and spherical harmonics up to degree 1; .3dgs.ply, "
+  REQUIRE(losses_of("a.points.ply").size() == 1);
+  CHECK(losses_of("a.points.ply")[0] ==
+        "splats become opaque surface splats, without their opacity and spherical harmonics up to degree 1; .ply, "
         ".spz, .sog and .splats.glb keep them");
+  const auto plain = export_format_of("a.ply")->write(geometry, {}), whole = export_splats_ply(geometry);
+  CHECK(std::get<Bytes>(plain) == std::get<Bytes>(whole));
 }
 
 TEST_CASE("reads the harmonics of a compressed PLY file in its steps") {

@@ -229,6 +229,8 @@ TEST_CASE("info, export and encode read the images beside meta.json of a SOG") {
     folder.write(name, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   const std::string meta = folder.path("meta.json"), ply = folder.path("two.3dgs.ply");
   CHECK(info(meta)["vectors"] == 2);
+  CHECK(file_of_folder(folder.path("")) == meta);
+  CHECK(info(folder.path(""))["vectors"] == 2);
   const Run exported = run("export " + quoted(meta) + " " + quoted(ply));
   CHECK(exported.status == kDone);
   CHECK(exported.output.find("note") == std::string::npos);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <mutex>
 #include <utility>
 
 namespace gs::qnv {
@@ -40,7 +41,18 @@ std::shared_ptr<const ChunkSource> memory_source(std::vector<std::byte> bytes) {
   return std::make_shared<const MemorySource>(std::move(bytes));
 }
 
+void ArrivedChunks::set_most_bytes(std::size_t most_bytes) {
+  const std::unique_lock lock(mutex_);
+  most_bytes_ = most_bytes;
+}
+
+bool ArrivedChunks::has(std::uint64_t offset) const {
+  const std::shared_lock lock(mutex_);
+  return chunks_.contains(offset);
+}
+
 bool ArrivedChunks::add(std::uint64_t offset, std::vector<std::byte> chunk) {
+  const std::unique_lock lock(mutex_);
   if (chunk.size() > most_bytes_ - std::min(most_bytes_, bytes_)) return false;
   bytes_ += chunk.size();
   chunks_.emplace(offset, std::move(chunk));
@@ -48,6 +60,7 @@ bool ArrivedChunks::add(std::uint64_t offset, std::vector<std::byte> chunk) {
 }
 
 std::size_t ArrivedChunks::read(std::uint64_t offset, std::span<std::byte> to) const {
+  const std::shared_lock lock(mutex_);
   const auto found = chunks_.find(offset);
   if (found == chunks_.end()) return 0;
   const std::size_t count = std::min(to.size(), found->second.size());

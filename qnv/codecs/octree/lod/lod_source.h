@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <shared_mutex>
 #include <span>
 #include <string>
 #include <unordered_map>
@@ -31,21 +32,22 @@ class ChunkSource {
 /// Returns a source for a stream that is completely in memory.
 [[nodiscard]] std::shared_ptr<const ChunkSource> memory_source(std::vector<std::byte> bytes);
 
-/// Received chunks of a stream, in any order. Only one thread may add chunks, and only while no thread reads.
+/// Received chunks of a stream, in any order. Any thread.
 class ArrivedChunks : public ChunkSource {
  public:
   /// `most_bytes` limits the total size of the chunks.
   explicit ArrivedChunks(std::size_t most_bytes) : most_bytes_(most_bytes) {}
-  void set_most_bytes(std::size_t most_bytes) { most_bytes_ = most_bytes; }
+  void set_most_bytes(std::size_t most_bytes);
   /// Adds a whole chunk at `offset`. Returns false if the limit would be exceeded.
   bool add(std::uint64_t offset, std::vector<std::byte> chunk);
-  [[nodiscard]] bool has(std::uint64_t offset) const { return chunks_.contains(offset); }
+  [[nodiscard]] bool has(std::uint64_t offset) const;
 
   [[nodiscard]] std::uint64_t size() const override { return ~std::uint64_t{0}; }
   /// Reads from one chunk. `offset` must be the start of the chunk; stops at its end.
   [[nodiscard]] std::size_t read(std::uint64_t offset, std::span<std::byte> to) const override;
 
  private:
+  mutable std::shared_mutex mutex_;  // guards all members below
   std::unordered_map<std::uint64_t, std::vector<std::byte>> chunks_;
   std::size_t most_bytes_, bytes_ = 0;
 };

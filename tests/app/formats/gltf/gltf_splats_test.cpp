@@ -2,6 +2,7 @@
 
 #include "app/formats/content_types.h"
 #include "app/formats/export/export.h"
+#include "app/formats/export/export_glb_mesh.h"
 
 #include <catch2/catch.hpp>
 
@@ -142,6 +143,73 @@ TEST_CASE("reports splats of a glTF that it cannot read") {
       random = random * 1664525 + 1013904223;
       changed[(random >> 8) % changed.size()] = static_cast<std::byte>(random >> 3);
     }
+    (void)read(changed);
+  }
+}
+
+/// Returns a GLB file with splats as SPZ. `extensions` are those of its primitive; VIEW stands for the buffer view.
+std::vector<std::byte> glb_with_spz(std::string extensions, const std::vector<std::byte>& spz) {
+  extensions.replace(extensions.find("VIEW"), 4, "{\"bufferView\":0}");
+  const std::string text =
+      R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[)"
+      R"({"mode":0,"attributes":{"POSITION":0},"extensions":)" +
+      extensions + R"(}]}],"accessors":[{"componentType":5126,"count":40,"type":"VEC3"}],"buffers":[{"byteLength":)" +
+      std::to_string(spz.size()) + R"(}],"bufferViews":[{"buffer":0,"byteLength":)" + std::to_string(spz.size()) +
+      "}]}";
+  const Exported made = glb_file(text, spz);
+  REQUIRE(std::holds_alternative<std::vector<std::byte>>(made));
+  return std::get<std::vector<std::byte>>(made);
+}
+
+const std::string kSpzDraft =
+    R"({"KHR_gaussian_splatting":{"extensions":{"KHR_gaussian_splatting_compression_spz_2":VIEW}}})";
+
+TEST_CASE("reads splats of a glTF that are compressed as SPZ, by the drafts of the extension") {
+  const qnv::Gaussians splats = cloud(1);
+  for (const auto& write : {export_spz, export_spz3})
+    for (const std::string& extensions :
+         {kSpzDraft, std::string(R"({"KHR_spz_gaussian_splats_compression":VIEW})"),
+          std::string(
+              R"({"KHR_gaussian_splatting":{"extensions":{"KHR_gaussian_splatting_compression_spz":VIEW}}})")}) {
+      INFO(extensions);
+      const auto spz = std::get<std::vector<std::byte>>(write(splats, {}));
+      const auto bytes = glb_with_spz(extensions, spz);
+      CHECK(content_type_of("a.glb", first_bytes(bytes)).name == "glTF splats");
+      const Read result = read(bytes);
+      const qnv::Gaussians& found = result.gaussians();
+      CHECK(result.diagnostics.entries().empty());
+      REQUIRE(found.size() == splats.size());
+      CHECK(found.degree == 1);
+      CHECK(found.description.metadata.front().second == "glTF KHR_gaussian_splatting with SPZ");
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        const glm::vec3 p = splats.positions[i];
+        CHECK(glm::length(found.positions[i] + glm::vec3(found.description.origin) - glm::vec3(-p.x, p.y, -p.z)) <
+              1e-3f);
+        const glm::vec4 q = splats.rotations[i];
+        CHECK(std::abs(glm::dot(found.rotations[i], glm::vec4(-q.x, q.y, -q.z, q.w))) == Approx(1).margin(1e-3));
+        CHECK(found.opacities[i] == Approx(splats.opacities[i]).margin(0.003));
+        CHECK(found.harmonics[3 * i + 2].x == Approx(-splats.harmonics[3 * i + 2].x).margin(0.01));
+      }
+    }
+}
+
+TEST_CASE("reads damaged SPZ within a glTF without faults") {
+  const auto spz = std::get<std::vector<std::byte>>(export_spz(cloud(0), {}));
+  const auto message = [](const std::vector<std::byte>& of) {
+    const Read result = read(of);
+    CHECK(std::holds_alternative<std::monostate>(result.asset));
+    REQUIRE_FALSE(result.diagnostics.entries().empty());
+    return result.diagnostics.entries().front().message;
+  };
+  CHECK(message(glb_with_spz(kSpzDraft, {spz.begin(), spz.begin() + 40})).starts_with("splats in SPZ: "));
+  std::string elsewhere = kSpzDraft;
+  elsewhere.replace(elsewhere.find("VIEW"), 4, "{\"bufferView\":7,\"was\":VIEW}");
+  CHECK(message(glb_with_spz(elsewhere, spz)).find("its buffer view is missing") != std::string::npos);
+  const auto bytes = glb_with_spz(kSpzDraft, spz);
+  for (std::size_t size = 0; size < bytes.size(); size += 31) (void)read(std::span(bytes).first(size));
+  for (std::size_t at = 0; at < bytes.size(); at += 3) {
+    auto changed = bytes;
+    changed[at] ^= std::byte{0x5a};
     (void)read(changed);
   }
 }

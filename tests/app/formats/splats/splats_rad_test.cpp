@@ -184,6 +184,27 @@ TEST_CASE("reads coarser splats of a RAD file without its end") {
   CHECK(read.diagnostics.entries()[0].message.find("its end is missing; coarser splats remain") != std::string::npos);
 }
 
+TEST_CASE("refuses RAD files that claim more than their bytes can hold") {
+  const auto first_message = [](const RadBytes& chunk, const std::string& chunks) {
+    RadBytes file;
+    put_head(file, "RAD0", "{\"version\":1,\"type\":\"gsplat\",\"count\":9,\"maxSh\":0,\"chunks\":[" + chunks + "]}");
+    file.insert(file.end(), chunk.begin(), chunk.end());
+    const ReadRad read = read_rad(file);
+    REQUIRE_FALSE(read.diagnostics.entries().empty());
+    return read.diagnostics.entries()[0].message;
+  };
+  const auto range_of = [](const RadBytes& chunk) {
+    return "{\"offset\":0,\"bytes\":" + std::to_string(chunk.size()) + "}";
+  };
+  const RadProperty center{"center", "f32_lebytes", "", split_floats({0, 1, 2})};
+  const RadBytes many = rad_chunk(0, 1'000'000'000, {center});
+  CHECK(first_message(many, range_of(many)).find("announces 1000000000 splats") != std::string::npos);
+  const RadBytes once = rad_chunk(0, 1, {center});
+  CHECK(
+      first_message(once, range_of(once) + "," + range_of(once) + "," + range_of(once)).find("coarser splats remain") !=
+      std::string::npos);
+}
+
 TEST_CASE("reads damaged RAD files without faults") {
   CHECK(read_rad(rad_file("2")).diagnostics.errors() == 1);
   const RadBytes file = rad_file();

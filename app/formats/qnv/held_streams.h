@@ -1,0 +1,24 @@
+#pragma once
+
+#include "base/budget.h"
+#include "qnv/base/geometry.h"
+#include "qnv/codecs/gaussians/lod/splat_stream.h"
+#include "qnv/codecs/octree/lod/lod.h"
+
+#include <memory>
+
+namespace gs::app {
+
+/// Charges `budget` for the cuts, cache and chunks of a packed stream, and limits them to that share. The result owns
+/// the stream and its share. `grows` means that the stream keeps received chunks.
+[[nodiscard]] std::shared_ptr<qnv::LodStream> hold_levels(std::unique_ptr<qnv::LodStream> stream,
+                                                          const WorldBudget& budget, bool grows);
+
+/// Charges `budget` for the cuts, cache and chunks of a stream of Gaussians, and limits them to that share. The result
+/// owns the stream and its share. `grows` means that the stream keeps received chunks.
+[[nodiscard]] std::shared_ptr<qnv::SplatStream> hold_cuts(std::unique_ptr<qnv::SplatStream> stream,
+                                                          const WorldBudget& budget, bool grows);
+/// Returns Gaussians of which every view takes its own cut.
+[[nodiscard]] qnv::Gaussians gaussians_of(std::shared_ptr<qnv::SplatStream> stream);
+
+}  // namespace gs::app

@@ -1,0 +1,287 @@
+#include "qnv/codecs/gaussians/lod/splat_cache.h"
+
+#include "base/parallel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace gs::qnv::gaussians {
+namespace {
+
+constexpr std::size_t kClustersPerTask = 8;
+// Share of the memory for states of clusters.
+constexpr std::size_t kStatePart = 3;
+
+std::size_t bytes_of(const Gaussians& all) {
+  return sizeof(Gaussians) + all.size() * (3 * sizeof(glm::vec3) + sizeof(glm::vec4) + sizeof(float)) +
+         all.harmonics.size() * sizeof(glm::vec3);
+}
+
+/// Returns a Gaussian of a block as it was decoded: its codes follow from its numbers.
+SplatNode node_of_block(const Gaussians& all, std::size_t i, bool leaf) {
+  SplatNode node;
+  for (std::size_t k = 0; k < 3; ++k)
+    node.scales[k] = static_cast<std::int16_t>(scale_code(double{all.scales[i][static_cast<int>(k)]}));
+  node.opacity = static_cast<std::uint8_t>(opacity_code(double{all.opacities[i]}));
+  node.leaf = leaf;
+  return node;
+}
+
+}  // namespace
+
+void append_splat(const SplatNode& node, Gaussians& all) {
+  glm::vec3 scales;
+  for (int k = 0; k < 3; ++k) scales[k] = static_cast<float>(scale_of(node.scales[static_cast<std::size_t>(k)]));
+  all.positions.push_back(node.position);
+  all.scales.push_back(scales);
+  all.rotations.push_back(node.rotation);
+  all.opacities.push_back(static_cast<float>(opacity_of(node.opacity)));
+  all.bases.push_back(node.color);
+}
+
+std::uint32_t SplatCache::received_harmonics(std::uint32_t cluster) const {
+  std::uint32_t count = 0;
+  for (std::uint32_t at = cluster; at != kNoCluster; at = tree_[at].parent)
+    for (std::uint32_t i = tree_[at].harmonics; i != kNoCluster; i = tree_.harmonics(i).next)
+      count += tree_.harmonics(i).present ? 1 : 0;
+  return count;
+}
+
+void SplatCache::put_harmonics(std::uint32_t cluster, const Entry& own, Gaussians& splats) const {
+  const int degree = chunks_.header().gaussians.degree;
+  const std::size_t per = harmonic_count(degree), inner = own.block.inner;
+  std::vector<SplatNode> leaves, merged;
+  for (std::size_t i = 0; i < splats.size(); ++i)
+    if (i >= inner)
+      leaves.push_back(node_of_block(splats, i, true));
+    else if (!own.origins[i].unchanged)
+      merged.push_back(node_of_block(splats, i, false));
+  const ClusterHarmonics found = chunks_.decode_harmonics(cluster, leaves, merged);
+  const Entry* const parent = entry(tree_[cluster].parent);
+  const Gaussians* const above =
+      parent && parent->block.splats && parent->block.splats->degree > 0 ? parent->block.splats.get() : nullptr;
+  if (found.known_leaves.empty() && found.known_merged.empty() && !above) return;
+  splats.degree = degree;
+  splats.harmonics.assign(per * splats.size(), glm::vec3(0));
+  std::size_t next_merged = 0;
+  for (std::size_t i = 0; i < splats.size(); ++i) {
+    const bool leaf = i >= inner;
+    const bool stays = !leaf && own.origins[i].unchanged;
+    const std::size_t number = leaf ? i - inner : next_merged;
+    if (!leaf && !stays) ++next_merged;
+    const std::vector<bool>& known = leaf ? found.known_leaves : found.known_merged;
+    const glm::vec3* from = nullptr;
+    if (!stays && !known.empty() && known[number])
+      from = (leaf ? found.leaves : found.merged).data() + per * number;
+    else if (above)
+      from = above->harmonics.data() + per * own.origins[i].parent;
+    if (from) std::copy_n(from, per, splats.harmonics.begin() + static_cast<std::ptrdiff_t>(per * i));
+  }
+}
+
+std::unique_ptr<SplatCache::Entry> SplatCache::made(std::uint32_t cluster, std::unique_ptr<SplatState> state) const {
+  auto entry = std::make_unique<Entry>();
+  const std::size_t count = state->nodes.size();
+  auto splats = std::make_shared<Gaussians>();
+  splats->positions.reserve(count);
+  splats->scales.reserve(count);
+  splats->rotations.reserve(count);
+  splats->opacities.reserve(count);
+  splats->bases.reserve(count);
+  splats->description.box = chunks_.header().description.box;  // renderers compare the distance to it
+  splats->antialiased = chunks_.header().gaussians.antialiased;
+  std::vector<SplatNode> leaves;
+  std::vector<std::uint16_t> ranks{0};
+  std::vector<NodeOrigin> of_leaves;
+  const std::uint32_t above = tree_[cluster].parent;
+  for (std::size_t i = 0; i < count; ++i) {
+    const SplatNode& node = state->nodes[i];
+    if (node.leaf)
+      leaves.push_back(node);
+    else
+      append_splat(node, *splats);
+    ranks.push_back(static_cast<std::uint16_t>(splats->size()));
+    if (state->origins.empty()) continue;
+    NodeOrigin origin = state->origins[i];
+    if (above != kNoCluster) origin.parent = entries_[above]->ranks[origin.parent];
+    (node.leaf ? of_leaves : entry->origins).push_back(origin);
+  }
+  entry->origins.insert(entry->origins.end(), of_leaves.begin(), of_leaves.end());
+  entry->block.inner = static_cast<std::uint32_t>(splats->size());
+  for (const SplatNode& leaf : leaves) append_splat(leaf, *splats);
+  if (chunks_.header().gaussians.degree > 0) {
+    entry->harmonics = received_harmonics(cluster);
+    if (entry->harmonics > 0) put_harmonics(cluster, *entry, *splats);
+  }
+  entry->bytes = bytes_of(*splats) + sizeof(Entry) + entry->origins.size() * sizeof(NodeOrigin);
+  entry->block.splats = std::move(splats);
+  if (entry->block.inner > 0) {
+    entry->ranks = std::move(ranks);
+    entry->bytes += 2 * entry->ranks.size();
+    entry->state_bytes = sizeof(SplatState) + state->nodes.capacity() * sizeof(SplatNode);
+    entry->state = std::move(state);
+  }
+  return entry;
+}
+
+void SplatCache::decode(std::vector<std::uint32_t> clusters, std::uint64_t now) {
+  if (entries_.size() < tree_.size()) entries_.resize(tree_.size());
+  std::ranges::sort(clusters, [&](std::uint32_t a, std::uint32_t b) {
+    return tree_[a].level != tree_[b].level ? tree_[a].level < tree_[b].level : a < b;
+  });
+  std::vector<std::unique_ptr<Entry>> results(clusters.size());
+  for (std::size_t first = 0, last = 0; first < clusters.size(); first = last) {
+    while (last < clusters.size() && tree_[clusters[last]].level == tree_[clusters[first]].level) ++last;
+    parallel_for((last - first + kClustersPerTask - 1) / kClustersPerTask, [&](std::size_t task) {
+      const std::size_t begin = first + task * kClustersPerTask, end = std::min(last, begin + kClustersPerTask);
+      for (std::size_t i = begin; i < end; ++i) {
+        const SplatCluster& cluster = tree_[clusters[i]];
+        const Entry* const parent = cluster.parent == kNoCluster ? nullptr : entry(cluster.parent);
+        if (cluster.broken || (cluster.parent != kNoCluster && (!parent || !parent->state))) continue;
+        if (auto state = chunks_.decode(clusters[i], parent ? parent->state.get() : nullptr))
+          results[i] = made(clusters[i], std::move(state));
+      }
+    });
+    for (std::size_t i = first; i < last; ++i) {
+      const bool orphan = tree_[clusters[i]].parent != kNoCluster && tree_[tree_[clusters[i]].parent].broken;
+      if (results[i])
+        keep(clusters[i], std::move(results[i]), now);
+      else if (!tree_[clusters[i]].broken && !orphan)
+        chunks_.reject(clusters[i], "a cluster of Gaussians is damaged and left out");
+    }
+  }
+}
+
+// Takes a decoded cluster, and notes what is known from now on, even after its data is dropped.
+void SplatCache::keep(std::uint32_t index, std::unique_ptr<Entry> made, std::uint64_t now) {
+  drop(index);
+  made->used = made->state_used = now;
+  bytes_ += made->bytes + made->state_bytes;
+  state_bytes_ += made->state_bytes;
+  splats_ += made->block.splats->size();
+  SplatCluster& cluster = tree_.at(index);
+  if (!cluster.known) {
+    const Gaussians& own = *made->block.splats;
+    Box box;
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      constexpr float kReach = 3.4f;  // standard deviations, up to an opacity of 1/255
+      box.add(own.positions[i] - kReach * own.scales[i].x);
+      box.add(own.positions[i] + kReach * own.scales[i].x);
+      if (i >= made->block.inner) continue;
+      cluster.inner_reach = std::max(cluster.inner_reach, own.scales[i].x);
+      cluster.inner_size = std::max(cluster.inner_size, own.scales[i].x * std::sqrt(own.opacities[i]));
+    }
+    tree_.add_box(index, box);
+    cluster.splats = static_cast<std::uint32_t>(own.size());
+    cluster.known = true;
+  }
+  entries_[index] = std::move(made);
+}
+
+void SplatCache::size_up(std::uint32_t index) {
+  SplatCluster& cluster = tree_.at(index);
+  if (cluster.sized || cluster.parent == kNoCluster || !has(cluster.parent)) return;
+  if (cluster.count == 0 && !(cluster.present && chunks_.read_head(index))) return;
+  const Entry& parent = *entry(cluster.parent);
+  const std::size_t first = cluster.first, last = first + cluster.count;
+  const bool fits = last < parent.ranks.size();
+  cluster.replaced_from = fits ? parent.ranks[first] : 0;
+  cluster.replaced_to = fits ? parent.ranks[last] : 0;
+  cluster.sized = true;
+  const Gaussians& all = *parent.block.splats;
+  for (std::size_t i = cluster.replaced_from; i < cluster.replaced_to; ++i) {
+    cluster.reach = std::max(cluster.reach, all.scales[i].x);
+    cluster.size = std::max(cluster.size, all.scales[i].x * std::sqrt(all.opacities[i]));
+  }
+  bool overlaps = cluster.replaced_from == cluster.replaced_to;  // replaces nothing
+  for (std::uint32_t i = tree_[cluster.parent].first_child; i != kNoCluster && !overlaps; i = tree_[i].next_sibling) {
+    const SplatCluster& other = tree_[i];
+    overlaps = i != index && other.sized && !other.broken && other.replaced_from < cluster.replaced_to &&
+               cluster.replaced_from < other.replaced_to;
+  }
+  if (overlaps && !cluster.broken) chunks_.reject(index, "a cluster replaces Gaussians of another one, or none");
+}
+
+void SplatCache::add_harmonics(std::span<const std::uint32_t> clusters) {
+  if (chunks_.header().gaussians.degree == 0) return;
+  std::vector<std::uint32_t> changed;
+  for (const std::uint32_t i : clusters)
+    if (has(i) && entries_[i]->harmonics < received_harmonics(i)) changed.push_back(i);
+  // Gaussians get those of their parents, which must be complete.
+  for (std::size_t first = 0, last = 0; first < changed.size(); first = last) {
+    while (last < changed.size() && tree_[changed[last]].level == tree_[changed[first]].level) ++last;
+    std::vector<std::shared_ptr<Gaussians>> results(last - first);
+    parallel_for((results.size() + kClustersPerTask - 1) / kClustersPerTask, [&](std::size_t task) {
+      const std::size_t end = std::min(results.size(), (task + 1) * kClustersPerTask);
+      for (std::size_t i = task * kClustersPerTask; i < end; ++i) {
+        const std::uint32_t cluster = changed[first + i];
+        results[i] = std::make_shared<Gaussians>(*block(cluster).splats);
+        put_harmonics(cluster, *entries_[cluster], *results[i]);
+      }
+    });
+    for (std::size_t i = 0; i < results.size(); ++i) {
+      Entry& own = *entries_[changed[first + i]];
+      own.harmonics = received_harmonics(changed[first + i]);
+      const std::size_t more = bytes_of(*results[i]) - bytes_of(*own.block.splats);
+      own.bytes += more;
+      bytes_ += more;
+      own.block.splats = std::move(results[i]);
+    }
+  }
+}
+
+std::size_t SplatCache::most_at_once() const {
+  return std::max<std::size_t>(most_bytes_ / kStatePart / (2 * sizeof(SplatState)), 64);
+}
+
+void SplatCache::pin(std::uint32_t cluster, std::uint64_t now) {
+  if (has(cluster)) entries_[cluster]->used = now;
+}
+
+void SplatCache::use_state(std::uint32_t cluster, std::uint64_t now) {
+  if (has(cluster)) entries_[cluster]->state_used = now;
+}
+
+void SplatCache::drop_state(std::uint32_t cluster) {
+  Entry& own = *entries_[cluster];
+  bytes_ -= own.state_bytes;
+  state_bytes_ -= std::exchange(own.state_bytes, 0);
+  own.state = nullptr;
+}
+
+void SplatCache::drop(std::uint32_t cluster) {
+  if (!has(cluster)) return;
+  drop_state(cluster);
+  bytes_ -= entries_[cluster]->bytes;
+  splats_ -= entries_[cluster]->block.splats->size();
+  entries_[cluster] = nullptr;
+}
+
+void SplatCache::shrink_states() {
+  if (state_bytes_ <= most_bytes_ / kStatePart) return;
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> old;
+  for (std::uint32_t i = 0; i < entries_.size(); ++i)
+    if (has_state(i)) old.emplace_back(entries_[i]->state_used, i);
+  std::ranges::sort(old);
+  // Frees more than necessary, so that the next cuts need no search.
+  for (const auto& [used, i] : old) {
+    if (state_bytes_ <= most_bytes_ / kStatePart / 4 * 3) break;
+    drop_state(i);
+  }
+}
+
+void SplatCache::shrink(std::uint64_t now) {
+  shrink_states();
+  if (bytes_ <= most_bytes_) return;
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> old;
+  for (std::uint32_t i = 0; i < entries_.size(); ++i)
+    if (has(i) && entries_[i]->used != now) old.emplace_back(entries_[i]->used, i);
+  std::ranges::sort(old);
+  for (const auto& [used, i] : old) {
+    if (bytes_ <= most_bytes_ / 8 * 7) break;
+    drop(i);
+  }
+}
+
+}  // namespace gs::qnv::gaussians

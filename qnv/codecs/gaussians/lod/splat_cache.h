@@ -1,0 +1,89 @@
+#pragma once
+
+#include "base/noncopyable.h"
+#include "qnv/base/geometry.h"
+#include "qnv/codecs/gaussians/lod/splat_chunks.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace gs::qnv::gaussians {
+
+/// Appends a decoded Gaussian without its harmonics, normal and weight, which views do not need.
+void append_splat(const SplatNode& node, Gaussians& all);
+
+/// Decoded clusters of a stream: Gaussians that are drawn, and states that children need. Call from one thread; uses
+/// others internally.
+class SplatCache : NonCopyable {
+ public:
+  /// Gaussians of a cluster: inner ones first, in the order of the stream, then the leaves.
+  struct Block {
+    std::shared_ptr<const Gaussians> splats;
+    std::uint32_t inner = 0;  // number of inner Gaussians
+  };
+
+  /// `chunks` must outlive this object.
+  SplatCache(SplatChunks& chunks, std::size_t most_bytes)
+      : chunks_(chunks), tree_(chunks.tree()), most_bytes_(most_bytes) {}
+  void set_most_bytes(std::size_t most_bytes) { most_bytes_ = most_bytes; }
+
+  [[nodiscard]] bool has(std::uint32_t cluster) const { return entry(cluster) && entry(cluster)->block.splats; }
+  [[nodiscard]] bool has_state(std::uint32_t cluster) const { return entry(cluster) && entry(cluster)->state; }
+  [[nodiscard]] const Block& block(std::uint32_t cluster) const { return entries_[cluster]->block; }
+
+  /// Decodes clusters. The parent of each must have its state or be in `clusters`. Rejects invalid clusters.
+  void decode(std::vector<std::uint32_t> clusters, std::uint64_t now);
+  /// Finds out which of its parent's Gaussians a cluster replaces, and their size, if the parent is decoded.
+  void size_up(std::uint32_t cluster);
+  /// Adds the harmonics that were received since the clusters were decoded. Parents must be before their children.
+  void add_harmonics(std::span<const std::uint32_t> clusters);
+
+  /// Marks a cluster as needed by the cut at `now`, so that shrink() keeps its Gaussians.
+  void pin(std::uint32_t cluster, std::uint64_t now);
+  /// Marks the state of a cluster as used.
+  void use_state(std::uint32_t cluster, std::uint64_t now);
+  /// Frees the least recently used states until the limit of their part of the memory is met.
+  void shrink_states();
+  /// Frees the least recently used data until the limit is met. Keeps Gaussians that were pinned at `now`.
+  void shrink(std::uint64_t now);
+
+  /// Returns the number of clusters to decode at once, so that their states do not exceed the memory.
+  [[nodiscard]] std::size_t most_at_once() const;
+
+  [[nodiscard]] std::size_t bytes() const { return bytes_; }
+  [[nodiscard]] std::size_t splats() const { return splats_; }
+
+ private:
+  struct Entry {
+    Block block;
+    std::unique_ptr<const SplatState> state;
+    std::vector<std::uint16_t>
+        ranks;  // inner Gaussians before each one in the order of the stream; empty if all are leaves
+    std::vector<NodeOrigin> origins;  // in the order of the block; parents are indices in the parent's block; empty
+                                      // without harmonics
+    std::uint32_t harmonics = 0;      // received chunks of harmonics that the block has, with those of its ancestors
+    std::uint64_t used = 0, state_used = 0;
+    std::size_t bytes = 0, state_bytes = 0;
+  };
+  [[nodiscard]] const Entry* entry(std::uint32_t cluster) const {
+    return cluster < entries_.size() ? entries_[cluster].get() : nullptr;
+  }
+  /// Returns the number of received chunks of harmonics of a cluster and of its ancestors.
+  [[nodiscard]] std::uint32_t received_harmonics(std::uint32_t cluster) const;
+  /// Gives the Gaussians of a block their own harmonics, else those of their parents, if these are decoded.
+  void put_harmonics(std::uint32_t cluster, const Entry& own, Gaussians& splats) const;
+  [[nodiscard]] std::unique_ptr<Entry> made(std::uint32_t cluster, std::unique_ptr<SplatState> state) const;
+  void keep(std::uint32_t cluster, std::unique_ptr<Entry> made, std::uint64_t now);
+  void drop_state(std::uint32_t cluster);
+  void drop(std::uint32_t cluster);
+
+  SplatChunks& chunks_;
+  SplatTree& tree_;  // of chunks_
+  std::size_t most_bytes_, bytes_ = 0, state_bytes_ = 0, splats_ = 0;
+  std::vector<std::unique_ptr<Entry>> entries_;  // one per cluster
+};
+
+}  // namespace gs::qnv::gaussians

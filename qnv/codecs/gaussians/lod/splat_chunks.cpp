@@ -1,0 +1,310 @@
+#include "qnv/codecs/gaussians/lod/splat_chunks.h"
+
+#include "qnv/codecs/gaussians/harmonics_code.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+namespace gs::qnv::gaussians {
+namespace {
+
+constexpr std::size_t kSampledHeads = 8;  // chunks that are read to test whether the directory is wrong
+constexpr std::size_t kBytesPerScan = std::size_t{1} << 18;
+// Offset beyond the end of any stream, and beyond those of StreamFeed::add_loose().
+constexpr std::uint64_t kNowhere = std::uint64_t{1} << 63;
+
+}  // namespace
+
+SplatChunks::SplatChunks(StreamHeader header) : header_(std::move(header)) {
+  const GaussianCoding& coding = header_.gaussians;
+  precision_ = {coding.important, coding.finest, coding.steps, header_.description.box};
+}
+
+SplatChunks::Opened SplatChunks::make(std::variant<StreamHeader, StreamProblem> read) {
+  if (auto* problem = std::get_if<StreamProblem>(&read)) return std::move(*problem);
+  StreamHeader& header = std::get<StreamHeader>(read);
+  if (header.payload != Payload::gaussians) return StreamProblem{11, "the payload is not Gaussians"};
+  return SplatChunks(std::move(header));
+}
+
+SplatChunks::Opened SplatChunks::open(std::shared_ptr<const ChunkSource> source, bool trust_directory) {
+  std::size_t header_bytes = 0;
+  Opened opened = make(read_stream_header(*source, header_bytes));
+  auto* chunks = std::get_if<SplatChunks>(&opened);
+  if (!chunks) return opened;
+  chunks->source_ = std::move(source);
+  if (trust_directory)
+    chunks->read_directory_of_source();
+  else
+    chunks->scan();
+  if (chunks->tree_.root() == kNoCluster) return StreamProblem{header_bytes, "has no root cluster"};
+  return opened;
+}
+
+SplatChunks::Opened SplatChunks::begin(std::span<const std::byte> front) {
+  std::size_t header_bytes = 0;
+  bool need_more = false;
+  Opened opened = make(decode_header(front, header_bytes, need_more));
+  if (auto* chunks = std::get_if<SplatChunks>(&opened)) {
+    constexpr std::size_t kArrivedBytes = std::size_t{1} << 30;
+    chunks->arrived_ = std::make_shared<ArrivedChunks>(kArrivedBytes);
+    chunks->source_ = chunks->arrived_;
+    (void)chunks->push(front);
+  }
+  return opened;
+}
+
+// Reads the directory. If the directory is incomplete or wrong, reads all chunks instead.
+void SplatChunks::read_directory_of_source() {
+  const std::vector<DirectoryEntry> entries = read_directory(*source_, header_);
+  const std::size_t invalid = tree_.add_directory(entries, source_->size(), true);
+  if (tree_.root() == kNoCluster || !directory_fits()) {
+    if (!entries.empty())
+      problem(header_.directory, "the directory does not match the chunks; all chunks were read instead");
+    tree_ = {};
+    scan();
+  } else if (invalid > 0) {
+    problem(header_.directory, std::to_string(invalid) + " invalid entries of the directory are left out");
+  }
+}
+
+// Reports whether the directory belongs to this stream: in a sample, the heads of the clusters must match.
+bool SplatChunks::directory_fits() const {
+  std::vector<std::byte> buffer;
+  const auto fits = [&](std::uint32_t index) {
+    const SplatCluster& cluster = tree_[index];
+    if (cluster.broken || cluster.bytes == 0) return true;
+    const auto chunk = read_chunk(*source_, cluster.offset, cluster.bytes, buffer);
+    const auto* sound = std::get_if<SoundChunk>(&chunk);
+    if (!sound) return true;  // damaged chunk; says nothing about the directory
+    const auto packed = parse_cluster(sound->payload);
+    return sound->type == ChunkType::gaussians && packed && packed->head.id == cluster.id &&
+           packed->head.level == cluster.level;
+  };
+  for (std::size_t i = 0; i < tree_.size(); i += std::max<std::size_t>(1, tree_.size() / kSampledHeads))
+    if (!fits(static_cast<std::uint32_t>(i))) return false;
+  // Requires the first cluster, which every view needs: a wrong directory must not lose it.
+  return decode(tree_.root(), nullptr) != nullptr;
+}
+
+// Reads the whole stream once, checks all checksums, and collects all chunks.
+void SplatChunks::scan() {
+  const StreamReader::OnChunk on_chunk = [this](ChunkType type, std::span<const std::byte> payload,
+                                                std::uint64_t offset) {
+    std::string why;
+    (void)note(type, payload, offset, why);
+    if (!why.empty()) problem(offset, std::move(why));
+  };
+  StreamReader reader;
+  std::vector<std::byte> piece(static_cast<std::size_t>(std::min<std::uint64_t>(kBytesPerScan, source_->size())));
+  for (std::uint64_t at = 0;;) {
+    const std::size_t count = source_->read(at, piece);
+    if (count == 0 || !reader.push(std::span(piece).first(count), on_chunk)) break;
+    at += count;
+  }
+  reader.finish(on_chunk);
+  for (const StreamProblem& one : reader.problems()) problem(one.offset, one.message);
+}
+
+// Adds a chunk to the tree. Returns false if it is not new or not usable; `why` has the reason of the latter.
+bool SplatChunks::note(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset, std::string& why) {
+  const auto bytes = static_cast<std::uint32_t>(kChunkHeaderBytes + payload.size());
+  if (type == ChunkType::gaussians) {
+    const auto packed = parse_cluster(payload);
+    if (!packed) {
+      why = "a cluster of Gaussians has an invalid head";
+      return false;
+    }
+    const std::size_t before = tree_.present();
+    return tree_.arrive(packed->head, offset, bytes, why) != kNoCluster && tree_.present() > before;
+  }
+  if (!is_harmonics(type)) return false;
+  const auto packed = parse_harmonics(payload);
+  if (!packed || header_.gaussians.degree == 0) {
+    why = "a chunk of harmonics has an invalid head";
+    return false;
+  }
+  return tree_.arrive(packed->head, offset, bytes);
+}
+
+bool SplatChunks::push(std::span<const std::byte> bytes) {
+  if (!arrived_) return false;
+  const bool more = reader_.push(bytes, [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
+    (void)take(type, payload, offset);
+  });
+  copy_problems();
+  return more;
+}
+
+void SplatChunks::finish() {
+  if (!arrived_) return;
+  reader_.finish([&](ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
+    (void)take(type, payload, offset);
+  });
+  copy_problems();
+  lost_ = {};
+}
+
+bool SplatChunks::set_directory(std::span<const std::byte> chunks) {
+  if (!arrived_) return false;
+  const std::vector<DirectoryEntry> entries = directory_of(chunks, header_);
+  if (entries.empty()) return false;
+  const std::size_t invalid = tree_.add_directory(entries, header_.directory, false);
+  if (invalid > 0)
+    problem(header_.directory, std::to_string(invalid) + " invalid entries of the directory are left out");
+  ++revision_;
+  return true;
+}
+
+bool SplatChunks::add(std::uint64_t offset, std::span<const std::byte> chunk) {
+  if (!arrived_) return false;
+  auto sound = sound_chunk(chunk);
+  if (auto* message = std::get_if<std::string>(&sound)) {
+    problem(offset, std::move(*message));
+    return false;
+  }
+  return take(std::get<SoundChunk>(sound).type, std::get<SoundChunk>(sound).payload, offset);
+}
+
+// Processes a received chunk of a growing stream. Parity restores lost chunks, which then have no place in the stream.
+bool SplatChunks::take(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
+  const LostChunks::Take restored = [this](ChunkType whole, std::span<const std::byte> bytes) {
+    (void)store(whole, bytes, kNowhere + restored_++);
+  };
+  if (type == ChunkType::parity) return !header_.parity || lost_.add(payload, restored);
+  if (type != ChunkType::gaussians && !is_harmonics(type)) return type == ChunkType::directory;
+  const bool good = store(type, payload, offset);
+  if (header_.parity) lost_.keep(type, payload, restored);
+  return good;
+}
+
+bool SplatChunks::store(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
+  if (arrived_->has(offset)) return true;
+  std::string why;
+  // A chunk in the tree must be readable, so it is stored first.
+  if (!arrived_->add(offset, encode_chunk(type, payload)))
+    why = "not enough memory for more chunks";
+  else if (note(type, payload, offset, why))
+    ++revision_;
+  if (why.empty()) return true;
+  problem(offset, std::move(why));
+  return false;
+}
+
+void SplatChunks::set_most_bytes(std::size_t most_bytes) {
+  if (arrived_) arrived_->set_most_bytes(most_bytes);
+}
+
+bool SplatChunks::read_head(std::uint32_t index) {
+  const SplatCluster& cluster = tree_[index];
+  if (cluster.count > 0 || !cluster.present || cluster.broken) return !cluster.broken;
+  std::vector<std::byte> buffer;
+  const auto chunk = read_chunk(*source_, cluster.offset, cluster.bytes, buffer);
+  const auto* sound = std::get_if<SoundChunk>(&chunk);
+  const auto packed = sound && sound->type == ChunkType::gaussians ? parse_cluster(sound->payload) : std::nullopt;
+  if (packed && tree_.note_head(index, packed->head)) return true;
+  reject(index, "a cluster is damaged, or contradicts the directory");
+  return false;
+}
+
+std::unique_ptr<SplatState> SplatChunks::decode(std::uint32_t index, const SplatState* parent) const {
+  const SplatCluster& cluster = tree_[index];
+  std::vector<std::byte> buffer;
+  const auto chunk = read_chunk(*source_, cluster.offset, cluster.bytes, buffer);
+  const auto* sound = std::get_if<SoundChunk>(&chunk);
+  if (!sound || sound->type != ChunkType::gaussians) return nullptr;
+  const auto packed = parse_cluster(sound->payload);
+  const bool is_root = cluster.parent == kNoCluster;
+  if (!packed || packed->head.id != cluster.id || is_root != (packed->head.parent == ClusterHead::kNoParent) ||
+      is_root == (parent != nullptr))
+    return nullptr;
+  if (parent && (std::size_t{packed->head.first} + packed->head.count > parent->nodes.size() ||
+                 tree_[cluster.parent].id != packed->head.parent))
+    return nullptr;
+  auto state = std::make_unique<SplatState>();
+  const SplatNode root = root_node(precision_.box);
+  const std::span<const SplatNode> parents =
+      parent ? std::span(parent->nodes).subspan(packed->head.first, packed->head.count) : std::span(&root, 1);
+  if (parent) state->models = parent->models;
+  auto nodes = decode_nodes(packed->bytes, parents, parent != nullptr, state->models, precision_,
+                            header_.gaussians.degree > 0 ? &state->origins : nullptr);
+  if (!nodes) return nullptr;
+  for (NodeOrigin& origin : state->origins)
+    origin.parent = static_cast<std::uint16_t>(origin.parent + packed->head.first);
+  state->nodes = std::move(*nodes);
+  return state;
+}
+
+ClusterHarmonics SplatChunks::decode_harmonics(std::uint32_t index, std::span<const SplatNode> leaves,
+                                               std::span<const SplatNode> merged) const {
+  const int degree = header_.gaussians.degree;
+  const std::size_t per = harmonic_count(degree);
+  ClusterHarmonics all;
+  std::vector<std::byte> buffer;
+  for (std::uint32_t i = tree_[index].harmonics; i != kNoCluster; i = tree_.harmonics(i).next) {
+    const HarmonicsChunk& place = tree_.harmonics(i);
+    if (!place.present) continue;
+    const auto chunk = read_chunk(*source_, place.offset, place.bytes, buffer);
+    const auto* sound = std::get_if<SoundChunk>(&chunk);
+    const auto packed = sound && is_harmonics(sound->type) ? parse_harmonics(sound->payload) : std::nullopt;
+    if (!packed || packed->head.cluster != tree_[index].id) continue;
+    const bool coarse = sound->type == ChunkType::coarse_harmonics;
+    const std::span<const SplatNode> nodes = coarse ? merged : leaves;
+    const std::size_t first = packed->head.first, last = first + packed->head.count;
+    if (last > nodes.size()) continue;
+    BinaryDecoder decoder(packed->bytes);
+    Reader reader{decoder};
+    HarmonicModels models;
+    std::array<std::array<int, 3>, harmonic_count(Gaussians::kMaxDegree)> codes{};
+    std::vector<glm::vec3> own;
+    std::vector<bool> has_own;  // other Gaussians have those of an ancestor
+    for (std::size_t k = first; k < last && !decoder.exhausted(); ++k) {
+      has_own.push_back(code_harmonics(reader, models, degree, codes) || !coarse);
+      const double step = harmonic_step(nodes[k], precision_);
+      for (std::size_t c = 0; c < per; ++c) own.push_back(glm::vec3(rgb_of(codes[c], step)));
+    }
+    if (decoder.exhausted() || own.size() != per * (last - first)) continue;
+    std::vector<glm::vec3>& values = coarse ? all.merged : all.leaves;
+    std::vector<bool>& known = coarse ? all.known_merged : all.known_leaves;
+    values.resize(per * nodes.size());
+    known.resize(nodes.size());
+    std::ranges::copy(own, values.begin() + static_cast<std::ptrdiff_t>(per * first));
+    std::copy(has_own.begin(), has_own.end(), known.begin() + static_cast<std::ptrdiff_t>(first));
+  }
+  return all;
+}
+
+std::vector<SplatChunks::Received> SplatChunks::received() const {
+  std::vector<Received> all;
+  std::vector<std::uint32_t> order;
+  if (tree_.root() != kNoCluster) order.push_back(tree_.root());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const SplatCluster& cluster = tree_[order[i]];
+    if (cluster.present) all.push_back({ChunkType::gaussians, cluster.offset, cluster.bytes});
+    for (std::uint32_t child = cluster.first_child; child != kNoCluster; child = tree_[child].next_sibling)
+      order.push_back(child);
+  }
+  for (const std::uint32_t index : order)
+    for (std::uint32_t i = tree_[index].harmonics; i != kNoCluster; i = tree_.harmonics(i).next)
+      if (tree_.harmonics(i).present)
+        all.push_back({ChunkType::harmonics, tree_.harmonics(i).offset, tree_.harmonics(i).bytes});
+  return all;
+}
+
+void SplatChunks::reject(std::uint32_t cluster, std::string why) {
+  tree_.at(cluster).broken = true;
+  problem(tree_[cluster].offset, std::move(why));
+}
+
+// Copies new problems of the reader.
+void SplatChunks::copy_problems() {
+  for (; reader_problems_ < reader_.problems().size(); ++reader_problems_)
+    problem(reader_.problems()[reader_problems_].offset, reader_.problems()[reader_problems_].message);
+}
+
+void SplatChunks::problem(std::uint64_t offset, std::string message) {
+  if (problems_.size() < kMaxProblems) problems_.push_back({offset, std::move(message)});
+}
+
+}  // namespace gs::qnv::gaussians

@@ -1,0 +1,106 @@
+#pragma once
+
+#include "qnv/codecs/gaussians/lod/splat_tree.h"
+#include "qnv/codecs/gaussians/splat_code.h"
+#include "qnv/codecs/gaussians/splat_models.h"
+#include "qnv/codecs/octree/lod/lod_source.h"
+#include "qnv/container/container.h"
+#include "qnv/container/lost_chunks.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace gs::qnv::gaussians {
+
+/// Everything that the children of a cluster need for decoding.
+struct SplatState {
+  std::vector<SplatNode> nodes;     // in the order of the stream
+  std::vector<NodeOrigin> origins;  // parents are indices in the parent cluster; empty without harmonics
+  SplatModels models;               // at the end of the cluster
+};
+
+/// Harmonics of a cluster, as received. The arrays have harmonic_count() coefficients per Gaussian, or are empty.
+struct ClusterHarmonics {
+  std::vector<glm::vec3> leaves, merged;
+  std::vector<bool> known_leaves, known_merged;  // one per Gaussian: received; empty if none is
+};
+
+/// Chunks of a stream of Gaussians, and the tree of their clusters. The stream is in memory, in a file, or still
+/// growing. One thread at a time. Safe for untrusted bytes.
+class SplatChunks {
+ public:
+  using Opened = std::variant<SplatChunks, StreamProblem>;
+
+  /// Opens a complete stream. With `trust_directory`, reads only the header and the directory now; if the directory is
+  /// incomplete or wrong, and without `trust_directory`, reads the whole stream once.
+  [[nodiscard]] static Opened open(std::shared_ptr<const ChunkSource> source, bool trust_directory);
+  /// Opens a growing stream from its first bytes, which must contain the whole header.
+  [[nodiscard]] static Opened begin(std::span<const std::byte> front);
+
+  bool push(std::span<const std::byte> bytes);
+  void finish();
+  bool set_directory(std::span<const std::byte> chunks);
+  bool add(std::uint64_t offset, std::span<const std::byte> chunk);
+  void set_most_bytes(std::size_t most_bytes);
+
+  /// Reads the head of a received cluster if it is not known. Returns false if that fails; the cluster is then broken.
+  bool read_head(std::uint32_t cluster);
+  /// Decodes a received cluster. `parent` is the state of its parent; null for the root. Returns null if the bytes are
+  /// invalid. May run in several threads at once.
+  [[nodiscard]] std::unique_ptr<SplatState> decode(std::uint32_t cluster, const SplatState* parent) const;
+  /// Decodes the received harmonics of a cluster. `leaves` are its leaves, and `merged` its other Gaussians that are
+  /// not unchanged, both in the order of the stream.
+  [[nodiscard]] ClusterHarmonics decode_harmonics(std::uint32_t cluster, std::span<const SplatNode> leaves,
+                                                  std::span<const SplatNode> merged) const;
+
+  /// Chunk that is received, for readers that decode all of them.
+  struct Received {
+    ChunkType type = ChunkType::gaussians;
+    std::uint64_t offset = 0;
+    std::uint32_t bytes = 0;
+  };
+  /// Returns all received chunks: parents before their children, harmonics of both types last, with the same type.
+  [[nodiscard]] std::vector<Received> received() const;
+  [[nodiscard]] const std::shared_ptr<const ChunkSource>& source() const { return source_; }
+
+  void reject(std::uint32_t cluster, std::string why);
+  [[nodiscard]] const StreamHeader& header() const { return header_; }
+  [[nodiscard]] const Precision& precision() const { return precision_; }
+  [[nodiscard]] SplatTree& tree() { return tree_; }
+  [[nodiscard]] const SplatTree& tree() const { return tree_; }
+  [[nodiscard]] const std::vector<StreamProblem>& problems() const { return problems_; }
+  /// Returns a counter that increases with every received chunk.
+  [[nodiscard]] std::uint64_t revision() const { return revision_; }
+
+ private:
+  explicit SplatChunks(StreamHeader header);
+  [[nodiscard]] static Opened make(std::variant<StreamHeader, StreamProblem> read);
+  void read_directory_of_source();
+  [[nodiscard]] bool directory_fits() const;
+  void scan();
+  bool take(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset);
+  bool store(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset);
+  bool note(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset, std::string& why);
+  void copy_problems();
+  void problem(std::uint64_t offset, std::string message);
+
+  StreamHeader header_;
+  Precision precision_;
+  SplatTree tree_;
+  std::shared_ptr<const ChunkSource> source_;
+  std::shared_ptr<ArrivedChunks> arrived_;  // source_ of a growing stream, else null
+  StreamReader reader_;
+  LostChunks lost_;  // of a growing stream
+  std::uint64_t restored_ = 0;
+  std::size_t reader_problems_ = 0;
+  std::vector<StreamProblem> problems_;
+  std::uint64_t revision_ = 0;
+};
+
+}  // namespace gs::qnv::gaussians
