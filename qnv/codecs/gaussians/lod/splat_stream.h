@@ -22,7 +22,7 @@ namespace gs::qnv {
 struct SplatLimits {
   std::size_t cache_bytes = std::size_t{5} << 26;    // decoded clusters that the last cuts do not need
   std::size_t cut_bytes = std::size_t{7} << 26;      // Gaussians of one cut, for any budget
-  std::size_t cut_splats = 3'000'000;                // the same, as their number
+  std::size_t cut_splats = 2'500'000;                // the same, as their number
   std::size_t arrived_bytes = std::size_t{1} << 30;  // received chunks of a stream that still grows
 };
 
