@@ -1,7 +1,12 @@
 #include "app/base/environment.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
+#include <string>
+#include <system_error>
 
 #include <unistd.h>
 
@@ -43,6 +48,25 @@ std::vector<char*> kept_environment() {
     if (is_kept_variable(name_of(*entry))) kept.push_back(*entry);
   kept.push_back(nullptr);
   return kept;
+}
+
+void spare_full_disk() {
+  namespace fs = std::filesystem;
+  constexpr std::uintmax_t kLeastRoom = std::uintmax_t{64} << 20;
+  constexpr const char* kDisabled = "MESA_SHADER_CACHE_DISABLE";
+  const auto value_of = [](const char* name) {
+    const char* const value = std::getenv(name);
+    return std::string(value ? value : "");
+  };
+  if (!value_of(kDisabled).empty()) return;
+  fs::path folder = value_of("MESA_SHADER_CACHE_DIR");
+  if (folder.empty()) folder = value_of("XDG_CACHE_HOME");
+  if (folder.empty() && !value_of("HOME").empty()) folder = fs::path(value_of("HOME")) / ".cache";
+  std::error_code error;
+  while (!folder.empty() && !fs::exists(folder, error) && folder.has_relative_path()) folder = folder.parent_path();
+  if (folder.empty()) return;
+  const fs::space_info room = fs::space(folder, error);
+  if (!error && room.available < kLeastRoom) (void)::setenv(kDisabled, "true", 1);
 }
 
 void clear_environment() {

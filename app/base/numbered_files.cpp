@@ -47,6 +47,16 @@ std::optional<NumberedName> numbered_name(std::string_view name) {
   return result;
 }
 
+std::optional<std::uint64_t> number_in(const NumberedName& name, std::string_view file) {
+  if (file.size() <= name.before.size() + name.after.size() || !file.starts_with(name.before) ||
+      !file.ends_with(name.after))
+    return std::nullopt;
+  const char *first = file.data() + name.before.size(), *last = file.data() + file.size() - name.after.size();
+  std::uint64_t number = 0;
+  const auto read = std::from_chars(first, last, number);
+  return read.ec == std::errc() && read.ptr == last ? std::optional(number) : std::nullopt;
+}
+
 std::optional<std::vector<std::string>> file_series(const std::string& path) {
   namespace fs = std::filesystem;
   const auto name = numbered_name(path);
@@ -54,17 +64,12 @@ std::optional<std::vector<std::string>> file_series(const std::string& path) {
   if (!name || path.find("://") != std::string::npos || fs::exists(path, error)) return std::nullopt;
   const std::size_t slash = name->before.rfind('/');
   const std::string folder = slash == std::string::npos ? "" : name->before.substr(0, slash + 1);
-  const std::string begin = name->before.substr(folder.size());
+  const NumberedName in_folder{name->before.substr(folder.size()), name->after, name->digits};
   std::vector<std::pair<std::uint64_t, std::string>> found;
   fs::directory_iterator entry(folder.empty() ? "." : folder, error);
   for (; !error && entry != fs::directory_iterator() && found.size() < kMaxFiles; entry.increment(error)) {
     const std::string file = entry->path().filename().string();
-    if (file.size() <= begin.size() + name->after.size() || !file.starts_with(begin) || !file.ends_with(name->after))
-      continue;
-    const char *first = file.data() + begin.size(), *last = file.data() + file.size() - name->after.size();
-    std::uint64_t number = 0;
-    const auto read = std::from_chars(first, last, number);
-    if (read.ec == std::errc() && read.ptr == last) found.emplace_back(number, folder + file);
+    if (const auto number = number_in(in_folder, file)) found.emplace_back(*number, folder + file);
   }
   std::sort(found.begin(), found.end());
   std::vector<std::string> files;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -17,6 +18,9 @@ struct NumberedName {
 /// Parses a name with exactly one placeholder in its last path component; %% means %. Returns nullopt if there is no
 /// placeholder, or if another character follows a %.
 [[nodiscard]] std::optional<NumberedName> numbered_name(std::string_view name);
+
+/// Returns the number in a file name of this form, with any number of digits. Returns nullopt for other names.
+[[nodiscard]] std::optional<std::uint64_t> number_in(const NumberedName& name, std::string_view file);
 
 /// Returns the files of a series in the order of their numbers, for example the output of a simulation. The path
 /// "run.%04d.vti" matches all files of its folder with a number in that position; the number may have any length.

@@ -4,6 +4,8 @@
 #include "net/files/unfinished_file.h"
 
 #include <filesystem>
+#include <mutex>
+#include <set>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -15,6 +17,16 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kTemporaryFolders = "ghostspace-temporary";
+
+/// Temporary folders of this process that exist. They outlive all objects, also static ones.
+struct LiveFolders {
+  std::mutex mutex;
+  std::set<std::string> paths;
+};
+LiveFolders& live_folders() {
+  static LiveFolders& folders = *new LiveFolders;
+  return folders;
+}
 
 std::string file_name_part(const std::string& name) {
   std::string result;
@@ -34,8 +46,24 @@ TemporaryFile::TemporaryFile(const std::string& name, std::span<const std::byte>
     return;
   }
   folder_ = std::move(std::get<net::LockedFolder>(folder));
+  {
+    const std::lock_guard lock(live_folders().mutex);
+    live_folders().paths.insert(folder_.path());
+  }
   path_ = folder_.path() + "/x" + file_name_part(name);
   if (const auto failed = net::write_file_atomically(path_, bytes)) problem_ = failed->message;
+}
+
+TemporaryFile::~TemporaryFile() {
+  const std::lock_guard lock(live_folders().mutex);
+  live_folders().paths.erase(folder_.path());
+}
+
+void remove_temporary_files() {
+  const std::lock_guard lock(live_folders().mutex);
+  std::error_code ignored;
+  for (const std::string& path : live_folders().paths) fs::remove_all(path, ignored);
+  live_folders().paths.clear();
 }
 
 void remove_abandoned_files() {

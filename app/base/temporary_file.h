@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "net/files/temporary_folder.h"
 
 #include <cstddef>
@@ -9,11 +10,12 @@
 namespace gs::app {
 
 /// Temporary file. Removed when this object is destroyed.
-class TemporaryFile {
+class TemporaryFile : NonCopyable {
  public:
   /// Creates a file. Its name ends in `name`, because the extension may identify the type. Replaces unusual characters
   /// by '_'.
   TemporaryFile(const std::string& name, std::span<const std::byte> bytes);
+  ~TemporaryFile();
 
   [[nodiscard]] const std::string& path() const { return path_; }
   /// Returns the reason why the file could not be created. Empty on success.
@@ -23,6 +25,9 @@ class TemporaryFile {
   net::LockedFolder folder_;
   std::string path_, problem_;
 };
+
+/// Removes the temporary files of all objects, before a process ends without calling destructors. Any thread.
+void remove_temporary_files();
 
 /// Removes temporary folders that killed processes have left behind. Call once, at the start.
 void remove_abandoned_files();

@@ -3,6 +3,7 @@
 #include "app/base/console.h"
 #include "app/base/local_file.h"
 #include "app/commands/common/shared.h"
+#include "app/commands/common/value_sample.h"
 #include "app/commands/common/vectors_of.h"
 #include "app/encode/surface_triangles.h"
 #include "app/formats/content_types.h"
@@ -287,7 +288,7 @@ bool describe_stream(JsonValue& facts, std::span<const std::byte> bytes, const s
   return true;
 }
 
-void describe_volume(JsonValue& facts, const qnv::VolumeSource& volume, Clock::time_point deadline) {
+void describe_volume(JsonValue& facts, const qnv::VolumeSource& volume, const ReadingTime& time) {
   const qnv::VolumeLayout& layout = volume.layout;
   if (!volume.times.empty()) put_steps(facts, volume.times);
   facts.put("dimensions", JsonValue::list({layout.dimensions[0], layout.dimensions[1], layout.dimensions[2]}));
@@ -295,22 +296,10 @@ void describe_volume(JsonValue& facts, const qnv::VolumeSource& volume, Clock::t
   if (layout.labels) facts.put("labels", true);
   facts.put("axes", JsonValue::list({fact_of(layout.axes[0]), fact_of(layout.axes[1]), fact_of(layout.axes[2])}));
   facts.put("origin", fact_of(layout.base + layout.origin));
-  float least = std::numeric_limits<float>::infinity(), most = -least;
-  std::uint64_t missing = 0, seen = 0;
-  std::vector<std::byte> scratch;
-  std::vector<float> values(qnv::check(layout) ? 0 : qnv::slice_voxels(layout));
-  for (std::uint32_t z = 0; !values.empty() && z < layout.dimensions[2] && Clock::now() < deadline; ++z) {
-    if (!qnv::read_slice(volume, z, scratch, values)) break;
-    for (const float v : values) {
-      missing += v != v ? 1 : 0;
-      least = v < least ? v : least;
-      most = v > most ? v : most;
-    }
-    seen += values.size();
-  }
-  if (least <= most) facts.put("values", JsonValue::list({least, most}));
-  if (missing > 0) facts.put("missing_voxels", missing);
-  if (qnv::check(layout) || seen < qnv::voxel_count(layout)) facts.put("voxels_read", seen);
+  const ValueSample sample = sample_values(volume, time);
+  if (sample.least <= sample.most) facts.put("values", JsonValue::list({sample.least, sample.most}));
+  if (sample.missing > 0) facts.put("missing_voxels", sample.missing);
+  if (qnv::check(layout) || sample.voxels < qnv::voxel_count(layout)) facts.put("voxels_read", sample.voxels);
   put_metadata(facts, layout.metadata);
 }
 
@@ -412,10 +401,10 @@ void describe_world(JsonValue& facts, const OpenedSurface& opened) {
   put_notes(facts, world.diagnostics);
 }
 
-void describe_input(JsonValue& facts, const OpenedInput& input, Clock::time_point deadline) {
+void describe_input(JsonValue& facts, const OpenedInput& input, const ReadingTime& time) {
   facts.put("type", input.type);
   if (const auto* volume = std::get_if<qnv::VolumeSource>(&input.content)) {
-    describe_volume(facts, *volume, deadline);
+    describe_volume(facts, *volume, time);
   } else if (const auto* geometry = std::get_if<qnv::Geometry>(&input.content)) {
     put_vectors(facts, *geometry);
     auto metadata = geometry->description().metadata;
@@ -434,11 +423,11 @@ void describe_input(JsonValue& facts, const OpenedInput& input, Clock::time_poin
 }
 
 // Describes a file of a server.
-std::optional<JsonValue> describe_url(const InfoCommand& options, const std::string& url, Clock::time_point deadline) {
+std::optional<JsonValue> describe_url(const InfoCommand& options, const std::string& url, const ReadingTime& time) {
   const auto input = open_input(options, url, MeshForm::world);
   if (!input) return std::nullopt;
   JsonValue facts = JsonValue::named({{"file", net::without_signature(url)}, {"type", ""}, {"bytes", input->bytes}});
-  describe_input(facts, *input, deadline);
+  describe_input(facts, *input, time);
   return facts;
 }
 
@@ -454,10 +443,11 @@ int run_info(const InfoCommand& options) {
   const std::string& path = options.files.front();
   const bool of_server = is_url_input(path);
   const std::string local = of_server ? std::string() : local_input(path);
-  const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                           std::chrono::duration<double>(std::min(options.timeout_seconds, 1e6)));
+  const ReadingTime time{Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                            std::chrono::duration<double>(std::min(options.timeout_seconds, 1e6))),
+                         options.timeout_given};
   if (of_server) {
-    const auto facts = describe_url(options, path, deadline);
+    const auto facts = describe_url(options, path, time);
     if (!facts) return kFailed;
     print_report(options, *facts, {});
     return kDone;
@@ -492,7 +482,7 @@ int run_info(const InfoCommand& options) {
     }
     const auto input = open_input(options, path, MeshForm::world);
     if (!input && (dataset_lines.empty() || !options.component.dataset.empty())) return kFailed;
-    if (input) describe_input(facts, *input, deadline);  // else the list of datasets remains
+    if (input) describe_input(facts, *input, time);  // else the list of datasets remains
   }
   print_report(options, facts, dataset_lines);
   return kDone;

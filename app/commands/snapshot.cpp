@@ -1,4 +1,5 @@
 #include "app/base/console.h"
+#include "app/base/temporary_file.h"
 #include "app/commands/common/picture_memory.h"
 #include "app/commands/common/picture_world.h"
 #include "app/commands/common/shared.h"
@@ -120,11 +121,11 @@ void limit_drawing(double timeout_seconds) {
 }
 
 /// Exits after the picture was written, without calling destructors. Destroying a large world and the driver would take
-/// a tenth of the total time. With leak checkers, destructors run. The loader is always destroyed, because it may own
-/// temporary files.
+/// a tenth of the total time. With leak checkers, destructors run. Temporary files are always removed.
 int leave(std::optional<WorldLoading>& loading, int status) {
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   loading.reset();
+  remove_temporary_files();
   (void)std::fflush(nullptr);
   std::_Exit(status);
 #else
@@ -266,7 +267,7 @@ int run_snapshot(const OpenCommand& given_options, const std::string& named) {
     add_phases(phases, stats);
     const Clock::time_point again = Clock::now();
     (void)paint_image(renderer, scene, options.picture);
-    stats.put("bytes", simulation.world().bytes);
+    stats.put("bytes", simulation.world().received());
     stats.put("load_s", load_seconds);
     stats.put("first_image_s", first_image_seconds);
     stats.put("frame_s", seconds_since(again));

@@ -1,5 +1,7 @@
 #include "app/insitu/field_view.h"
 
+#include "app/insitu/bricks/quantise.h"
+
 #include <cstring>
 
 namespace gs::app::insitu {
@@ -21,6 +23,19 @@ void convert_values(const std::byte* from, std::int64_t stride, std::size_t coun
   }
 }
 
+// Converts doubles to floats, several at once if they have no gaps.
+void narrow_doubles(const std::byte* from, std::int64_t stride, std::size_t count, std::byte* to) {
+  const bool aligned = reinterpret_cast<std::uintptr_t>(from) % alignof(double) == 0 &&
+                       reinterpret_cast<std::uintptr_t>(to) % alignof(float) == 0;
+  if (stride != sizeof(double) || !aligned) return convert_values<double, float>(from, stride, count, to);
+  floats_of_doubles(reinterpret_cast<const double*>(from), count, reinterpret_cast<float*>(to));
+}
+
+template <class From>
+void convert_to_floats(const std::byte* from, std::int64_t stride, std::size_t count, float* to) {
+  convert_values<From, float>(from, stride, count, reinterpret_cast<std::byte*>(to));
+}
+
 template <class From>
 void convert_to_doubles(const std::byte* from, std::int64_t stride, std::size_t count, double* to) {
   convert_values<From, double>(from, stride, count, reinterpret_cast<std::byte*>(to));
@@ -31,22 +46,33 @@ struct TypeRow {
   std::size_t bytes;
   qnv::VoxelType stored;
   void (*copy)(const std::byte*, std::int64_t, std::size_t, std::byte*);
+  void (*floats)(const std::byte*, std::int64_t, std::size_t, float*);
   void (*doubles)(const std::byte*, std::int64_t, std::size_t, double*);
 };
 using qnv::VoxelType;
+template <class From, class Stored>
+constexpr TypeRow row_of_type(std::int32_t type, VoxelType stored) {
+  return {type, sizeof(From), stored, convert_values<From, Stored>, convert_to_floats<From>, convert_to_doubles<From>};
+}
+constexpr TypeRow kDoubleRow{GS_INSITU_FLOAT64,
+                             sizeof(double),
+                             VoxelType::f32,
+                             narrow_doubles,
+                             [](const std::byte* from, std::int64_t stride, std::size_t count, float* to) {
+                               narrow_doubles(from, stride, count, reinterpret_cast<std::byte*>(to));
+                             },
+                             convert_to_doubles<double>};
 constexpr std::array<TypeRow, 10> kInsituTypes{{
-    {GS_INSITU_FLOAT32, 4, VoxelType::f32, convert_values<float, float>, convert_to_doubles<float>},
-    {GS_INSITU_FLOAT64, 8, VoxelType::f32, convert_values<double, float>, convert_to_doubles<double>},
-    {GS_INSITU_INT8, 1, VoxelType::i8, convert_values<std::int8_t, std::int8_t>, convert_to_doubles<std::int8_t>},
-    {GS_INSITU_UINT8, 1, VoxelType::u8, convert_values<std::uint8_t, std::uint8_t>, convert_to_doubles<std::uint8_t>},
-    {GS_INSITU_INT16, 2, VoxelType::i16, convert_values<std::int16_t, std::int16_t>, convert_to_doubles<std::int16_t>},
-    {GS_INSITU_UINT16, 2, VoxelType::u16, convert_values<std::uint16_t, std::uint16_t>,
-     convert_to_doubles<std::uint16_t>},
-    {GS_INSITU_INT32, 4, VoxelType::i32, convert_values<std::int32_t, std::int32_t>, convert_to_doubles<std::int32_t>},
-    {GS_INSITU_UINT32, 4, VoxelType::u32, convert_values<std::uint32_t, std::uint32_t>,
-     convert_to_doubles<std::uint32_t>},
-    {GS_INSITU_INT64, 8, VoxelType::f32, convert_values<std::int64_t, float>, convert_to_doubles<std::int64_t>},
-    {GS_INSITU_UINT64, 8, VoxelType::f32, convert_values<std::uint64_t, float>, convert_to_doubles<std::uint64_t>},
+    row_of_type<float, float>(GS_INSITU_FLOAT32, VoxelType::f32),
+    kDoubleRow,
+    row_of_type<std::int8_t, std::int8_t>(GS_INSITU_INT8, VoxelType::i8),
+    row_of_type<std::uint8_t, std::uint8_t>(GS_INSITU_UINT8, VoxelType::u8),
+    row_of_type<std::int16_t, std::int16_t>(GS_INSITU_INT16, VoxelType::i16),
+    row_of_type<std::uint16_t, std::uint16_t>(GS_INSITU_UINT16, VoxelType::u16),
+    row_of_type<std::int32_t, std::int32_t>(GS_INSITU_INT32, VoxelType::i32),
+    row_of_type<std::uint32_t, std::uint32_t>(GS_INSITU_UINT32, VoxelType::u32),
+    row_of_type<std::int64_t, float>(GS_INSITU_INT64, VoxelType::f32),
+    row_of_type<std::uint64_t, float>(GS_INSITU_UINT64, VoxelType::f32),
 }};
 
 const TypeRow* type_row(std::int32_t type) {
@@ -69,6 +95,10 @@ qnv::VoxelType stored_type(std::int32_t type) {
 
 void copy_values(std::int32_t type, const std::byte* from, std::int64_t stride, std::size_t count, std::byte* to) {
   if (const TypeRow* const row = type_row(type)) row->copy(from, stride, count, to);
+}
+
+void copy_floats(std::int32_t type, const std::byte* from, std::int64_t stride, std::size_t count, float* to) {
+  if (const TypeRow* const row = type_row(type)) row->floats(from, stride, count, to);
 }
 
 void copy_doubles(std::int32_t type, const std::byte* from, std::int64_t stride, std::size_t count, double* to) {

@@ -41,6 +41,8 @@ struct FieldView {
 
 /// Copies `count` values that are `stride` bytes apart, and converts them to stored_type(type).
 void copy_values(std::int32_t type, const std::byte* from, std::int64_t stride, std::size_t count, std::byte* to);
+/// Copies `count` values that are `stride` bytes apart, and converts them to float.
+void copy_floats(std::int32_t type, const std::byte* from, std::int64_t stride, std::size_t count, float* to);
 /// Copies `count` values that are `stride` bytes apart, and converts them to double.
 void copy_doubles(std::int32_t type, const std::byte* from, std::int64_t stride, std::size_t count, double* to);
 

@@ -132,6 +132,13 @@ void GridPart::copy_slice(std::uint32_t c, std::uint32_t z, std::byte* to, std::
                 field.strides[0] * thinning, box.size[0], to);
 }
 
+void GridPart::copy_floats(std::uint32_t z, float* to) const {
+  for (std::uint32_t y = 0; y < box.size[1]; ++y, to += box.size[0])
+    insitu::copy_floats(
+        field.type, field.at(start[0], start[1] + std::int64_t{y} * thinning, start[2] + std::int64_t{z} * thinning, 0),
+        field.strides[0] * thinning, box.size[0], to);
+}
+
 std::vector<GridPart> grid_parts(std::span<const BlockView> blocks, const FieldFacts& field, std::uint32_t thinning) {
   std::vector<GridPart> parts;
   for (const BlockView& block : blocks) {

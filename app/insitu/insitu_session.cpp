@@ -1,5 +1,7 @@
 #include "app/insitu/insitu_session.h"
 
+#include "app/insitu/bricks/thread_time.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,28 +9,21 @@
 #include <limits>
 #include <utility>
 
-#include <time.h>
-
 namespace gs::app::insitu {
 namespace {
 
 /// Decision of rank 0 about a step, broadcast to all ranks.
 struct StepDecision {
-  std::uint32_t take = 0, parameters = 0;
+  std::uint32_t take = 0, parameters = 0, chunks = 0;
   std::int64_t next_contact = 0;
   std::array<double, Parameters::kMaxParameters> values{};
+  std::array<WantedChunk, 8> chunk{};  // that all ranks send now
 };
 
 struct OpenResult {
   std::uint32_t failed = 0;
   std::array<char, 252> message{};
 };
-
-double thread_seconds() {
-  timespec used{};
-  (void)::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &used);
-  return static_cast<double>(used.tv_sec) + static_cast<double>(used.tv_nsec) * 1e-9;
-}
 
 template <class View>
 PartFacts facts_of_parts(const std::vector<View>& parts) {
@@ -72,6 +67,7 @@ std::variant<SessionOptions, std::string> session_options(const gs_insitu_option
   result.folder = text_or(options.folder, "");
   result.bind = text_or(options.bind, "127.0.0.1");
   result.token_file = text_or(options.token_file, "");
+  result.live_file = text_or(options.live_file, "");
   result.field = text_or(options.field, "");
   result.serve = options.serve != 0;
   result.background = options.background != 0;
@@ -105,9 +101,20 @@ std::variant<std::unique_ptr<InSituSession>, std::string> InSituSession::open(
   std::unique_ptr<InSituSession> made(new InSituSession(options, communicator));
   OpenResult result;
   if (made->ranks_.is_first()) {
-    auto started =
-        Publisher::start({options.folder, options.serve, options.port, options.bind, options.token_file, options.title},
-                         made->parameters_);
+    auto started = Publisher::start({options.folder,
+                                     options.serve,
+                                     options.port,
+                                     options.bind,
+                                     options.token_file,
+                                     options.live_file,
+                                     options.title,
+                                     {[session = made.get()] { return session->share_permits(); },
+                                      [session = made.get()](double seconds, std::size_t bytes) {
+                                        const std::lock_guard lock(session->shared_.mutex);
+                                        session->shared_.own_seconds += seconds;
+                                        session->shared_.stream_bytes += bytes;
+                                      }}},
+                                    made->parameters_);
     if (auto* problem = std::get_if<std::string>(&started)) {
       result.failed = 1;
       std::copy_n(problem->data(), std::min(problem->size(), result.message.size() - 1), result.message.data());
@@ -164,7 +171,13 @@ int InSituSession::begin_step(std::int64_t step, double time) {
     const double used = std::max(own(), slowest_own_), at = now();
     const bool take = step >= 0 && wanted && !busy && pace_.may_take(number, at, used);
     decision.take = take ? 1 : 0;
-    decision.next_contact = number + pace_.steps_until_contact(number, at, used, wanted);
+    const double interval = publisher_->has_viewer() ? StepPace::kQuickContact : StepPace::kContactSeconds;
+    decision.next_contact = number + pace_.steps_until_contact(number, at, used, wanted, interval);
+    if (ranks_.count() > 1 && share_permits()) {
+      const std::vector<WantedChunk> chunks = publisher_->take_wanted(decision.chunk.size());
+      std::ranges::copy(chunks, decision.chunk.begin());
+      decision.chunks = static_cast<std::uint32_t>(chunks.size());
+    }
     const std::vector<double> values = parameters_.take_wanted();
     decision.parameters = static_cast<std::uint32_t>(values.size());
     std::ranges::copy(values, decision.values.begin());
@@ -173,6 +186,8 @@ int InSituSession::begin_step(std::int64_t step, double time) {
   if (!ranks_.is_first() && decision.parameters <= decision.values.size())
     parameters_.set({decision.values.begin(), decision.values.begin() + decision.parameters});
   next_contact_ = decision.next_contact;
+  if (decision.chunks > decision.chunk.size() || !send_chunks(std::span(decision.chunk).first(decision.chunks)))
+    return fail(GS_INSITU_FAILED, "the communicator failed");
   if (step < 0) return fail(GS_INSITU_INVALID, "the step has a negative number; expected 0 or more");
   if (decision.take == 0) return GS_INSITU_SKIPPED;
   open_step_ = true;
@@ -219,6 +234,12 @@ RankFacts InSituSession::own_facts() const {
   facts.cells = facts_of_parts(cells_);
   facts.particles = facts_of_parts(particles_);
   if (!blocks_.empty()) facts.grid = blocks_.front().grid;
+  for (const BlockView& block : blocks_) {
+    std::uint64_t points = 1;
+    for (const std::size_t low : {0U, 2U, 4U})
+      points *= static_cast<std::uint64_t>(block.extent[low + 1] - block.extent[low] + 1);
+    facts.blocks.count += points;
+  }
   for (const CellsView& view : cells_) add_bounds(view, facts.cells);
   for (const ParticlesView& view : particles_) add_bounds(view, facts.particles);
   facts.own_seconds = own();
@@ -240,6 +261,7 @@ void InSituSession::choose_fields(std::span<const RankFacts> all) {
 bool InSituSession::gather_step(const StepPlan& plan, StepData& data) {
   // A background thread needs copies, because the caller may change its arrays while the thread encodes.
   const bool copy = options_.background;
+  if (plan.keeps != 0 && !keep_step(plan, data)) return false;
   for (std::size_t i = 0; i < plan.grid_fields; ++i) {
     GridValues values;
     if (!gather_grid(ranks_, blocks_, plan, plan.grid_field[i], copy, values)) return false;
@@ -272,16 +294,15 @@ int InSituSession::end_step() {
   bool sound = ranks_.gather(&facts, sizeof facts, all.data());
   StepPlan plan;
   if (sound && ranks_.is_first()) {
-    const std::string chosen = parameters_.field();
-    const std::uint64_t most = options_.thin ? pace_.affordable_bytes(steps_ - 1, now(), own()) : UINT64_MAX;
-    plan = plan_step(
-        all, {!options_.folder.empty(), chosen.empty() ? options_.field : chosen, std::min(options_.max_memory, most)});
+    plan = make_plan(all);
     for (const RankFacts& rank : all) slowest_own_ = std::max(slowest_own_, rank.own_seconds);
     choose_fields(all);
   }
-  StepData data{step_, time_, {}, {}, {}};
+  StepData data{step_, time_, {}, {}, {}, {}};
   sound = sound && ranks_.broadcast(plan) && (plan.problem[0] != 0 || gather_step(plan, data));
-  peak_bytes_ = std::max(peak_bytes_, data.bytes());
+  std::uint64_t held_bytes = data.bytes();
+  for (const auto& field : kept_) held_bytes += field->bytes();
+  peak_bytes_ = std::max(peak_bytes_, held_bytes);
   const std::uint64_t grid_bytes = data.grid_bytes();
   ++taken_;
   if (!sound || plan.problem[0] != 0) {

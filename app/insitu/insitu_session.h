@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/insitu/grid_parts.h"
+#include "app/insitu/kept_field.h"
 #include "app/insitu/parameters.h"
 #include "app/insitu/particle_parts.h"
 #include "app/insitu/publisher.h"
@@ -14,6 +15,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -27,7 +29,7 @@ namespace gs::app::insitu {
 
 /// Options of a session, as C++ values.
 struct SessionOptions {
-  std::string title = "simulation", folder, bind = "127.0.0.1", token_file, field;
+  std::string title = "simulation", folder, bind = "127.0.0.1", token_file, live_file, field;
   bool serve = false, background = false, thin = false;
   std::uint16_t port = 0;
   double error = 0, relative_error = 0.001, max_share = 0;
@@ -71,7 +73,11 @@ class InSituSession : NonCopyable {
   [[nodiscard]] double now() const;
   [[nodiscard]] double own() const;
   [[nodiscard]] RankFacts own_facts() const;
+  [[nodiscard]] StepPlan make_plan(std::span<const RankFacts> all);
   [[nodiscard]] bool gather_step(const StepPlan& plan, StepData& data);
+  [[nodiscard]] bool keep_step(const StepPlan& plan, StepData& data);
+  [[nodiscard]] bool send_chunks(std::span<const WantedChunk> wanted);
+  [[nodiscard]] bool share_permits() const;
   void choose_fields(std::span<const RankFacts> all);
   void encode_and_publish(const StepData& data, Clock::time_point ended);
   void start_background(StepData data, Clock::time_point ended);
@@ -83,7 +89,9 @@ class InSituSession : NonCopyable {
   Ranks ranks_;
   StepPace pace_;
   Parameters parameters_;
-  std::unique_ptr<Publisher> publisher_;  // rank 0
+  std::deque<std::shared_ptr<KeptField>> kept_;  // newest last
+  FiniteRange kept_range_;                       // of this rank's values in the newest of them
+  std::uint64_t serial_ = 0;                     // of the newest of them, on rank 0
   std::string error_;
   const Clock::time_point began_ = Clock::now();
 
@@ -110,6 +118,7 @@ class InSituSession : NonCopyable {
     bool busy = false;
   } shared_;
   std::thread background_;
+  std::unique_ptr<Publisher> publisher_;  // rank 0; last member, because its thread uses the others
 };
 
 }  // namespace gs::app::insitu

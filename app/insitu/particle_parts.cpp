@@ -87,11 +87,13 @@ bool gather_particles(Ranks& ranks, std::span<const ParticlesView> parts, const 
   values.field = plan.particle_field;
   values.origin = plan.origin;
   values.radius = plan.radius;
+  values.stride = plan.particle_stride;
+  std::uint64_t number = 0;  // of the finite particles of this rank
   for (const ParticlesView& part : parts) {
     const FieldView* const field = find_field(part.fields, plan.particle_field);
     for (std::size_t i = 0; i < part.particles.count; ++i) {
       const auto at = particle_at(part.particles, i);
-      if (!is_finite_point(at)) continue;
+      if (!is_finite_point(at) || number++ % plan.particle_stride != 0) continue;
       ParticlePoint point;
       for (std::size_t a = 0; a < 3; ++a) point.position[a] = static_cast<float>(at[a] - plan.origin[a]);
       double sum = 0, one = std::numeric_limits<double>::quiet_NaN();
@@ -103,7 +105,8 @@ bool gather_particles(Ranks& ranks, std::span<const ParticlesView> parts, const 
       values.points.push_back(point);
     }
   }
-  return gather_records(ranks, values.points);
+  bool fits = true;
+  return gather_records(ranks, values.points, plan.max_memory, fits);
 }
 
 std::optional<std::string> encode_particles(const ParticleValues& particles, qnv::EncodeOptions options,

@@ -23,17 +23,12 @@ struct ParticlesView {
 /// Checks particles. Returns the problem if they are invalid.
 [[nodiscard]] std::variant<ParticlesView, std::string> particles_view(const gs_insitu_particles& particles);
 
-/// Particle, with its position relative to StepPlan::origin.
-struct ParticlePoint {
-  std::array<float, 3> position{};
-  float value = 0;  // NaN without a field
-};
-
 /// Particles of all ranks, on rank 0.
 struct ParticleValues {
   FieldFacts field;
   std::array<double, 3> origin{};
-  double radius = 0;  // 0 means that the density determines it
+  double radius = 0;         // 0 means that the density determines it
+  std::uint32_t stride = 1;  // every n-th particle of each rank
   std::vector<ParticlePoint> points;
 };
 

@@ -2,6 +2,7 @@
 
 #include "app/insitu/value_colors.h"
 #include "net/control/control_token.h"
+#include "net/control/live_file.h"
 #include "net/files/file.h"
 
 #include <algorithm>
@@ -55,12 +56,14 @@ net::ServedType insitu_type_of(const std::string& name) {
 }  // namespace
 
 std::string stream_file_name(const StepStream& stream, std::int64_t step, const std::vector<std::string>& taken) {
+  constexpr const char *kStreamEnd = ".qnv", *kContainerEnd = ".zarr";
   std::string name = stream.field.empty() ? name_of(stream.kind) : stream.field;
   for (char& c : name)
     if (!((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_')) c = '_';
   if (stream.kind != StreamKind::volume && !stream.field.empty()) name += std::string("-") + name_of(stream.kind);
   char number[32];
-  std::snprintf(number, sizeof number, ".%06lld.qnv", static_cast<long long>(step));
+  std::snprintf(number, sizeof number, ".%06lld%s", static_cast<long long>(step),
+                stream.served ? kContainerEnd : kStreamEnd);
   std::string file = name + number;
   for (int i = 2; std::ranges::find(taken, file) != taken.end(); ++i) file = name + "-" + std::to_string(i) + number;
   return file;
@@ -109,6 +112,7 @@ std::variant<std::unique_ptr<Publisher>, std::string> Publisher::start(Publisher
 Publisher::~Publisher() {
   server_.reset();
   if (!token_file_.empty()) (void)::unlink(token_file_.c_str());
+  if (has_live_file_) (void)::unlink(options_.live_file.c_str());
 }
 
 std::optional<std::string> Publisher::start_server() {
@@ -125,6 +129,11 @@ std::optional<std::string> Publisher::start_server() {
     const std::lock_guard lock(mutex_);
     return net::FolderPage{"model/vrml", world_};
   };
+  http.content = [this](const net::ContentRequest& request) {
+    net::HeldContent held = shelf_.content(request.path);
+    if (held.state != net::HeldContent::State::none) note_viewer();
+    return held;
+  };
   http.missing = [this](const std::string& name, const net::FolderRequest&) -> std::optional<net::FolderPage> {
     if (name != kLiveJson) return std::nullopt;
     note_viewer();
@@ -135,7 +144,8 @@ std::optional<std::string> Publisher::start_server() {
   auto started = net::HttpServer::start(std::move(http));
   if (auto* problem = std::get_if<net::HttpServerError>(&started)) return std::move(problem->message);
   server_ = std::move(std::get<std::unique_ptr<net::HttpServer>>(started));
-  return write_token(server_->port());
+  if (auto problem = write_token(server_->port())) return problem;
+  return write_address(server_->port());
 }
 
 std::optional<std::string> Publisher::write_token(std::uint16_t port) {
@@ -150,6 +160,13 @@ std::optional<std::string> Publisher::write_token(std::uint16_t port) {
   }
   token_file_ = path;
   return std::nullopt;
+}
+
+std::optional<std::string> Publisher::write_address(std::uint16_t port) {
+  if (options_.live_file.empty()) return std::nullopt;
+  auto problem = net::write_live_file(options_.live_file, {net::name_of_machine(), options_.bind, port, token_});
+  has_live_file_ = !problem;
+  return problem;
 }
 
 std::string Publisher::json() const {
@@ -190,16 +207,46 @@ bool Publisher::is_wanted() const {
     const std::lock_guard lock(mutex_);
     if (kept_.empty()) return true;  // so that the first viewer finds a step
   }
+  if (!has_viewer()) return false;
+  if (seen_) return true;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!shelved_) return false;
+  }
+  return shelf_.is_seen() && !shelf_.is_busy(BrickShelf::Clock::now());
+}
+
+bool Publisher::has_viewer() const {
   const std::int64_t last = viewer_;
-  return seen_ && last != INT64_MIN && insitu_now() - last < std::chrono::nanoseconds(kViewerStays).count();
+  return last != INT64_MIN && insitu_now() - last < std::chrono::nanoseconds(kViewerStays).count();
+}
+
+void Publisher::deliver(const WantedChunk& wanted, std::vector<float> values) {
+  shelf_.deliver(wanted, std::move(values));
+  if (server_) server_->wake();
 }
 
 std::optional<std::string> Publisher::publish(std::int64_t step, double time, std::vector<StepStream> streams) {
   if (streams.empty()) return std::nullopt;
   Kept kept;
   JsonValue list = JsonValue::list();
+  bool shelved = false;
   for (const StepStream& stream : streams) {
-    const std::string name = stream_file_name(stream, step, kept.files);
+    std::string name = stream_file_name(stream, step, kept.files);
+    if (stream.served) {
+      stream.served->container = name;
+      name += "/zarr.json";
+      shelf_.put(std::move(*stream.served));
+      shelved = true;
+      kept.files.push_back(name);
+      list.add(JsonValue::named({{"kind", name_of(stream.kind)},
+                                 {"field", stream.field},
+                                 {"unit", stream.unit},
+                                 {"url", name},
+                                 {"max_error", stream.max_error},
+                                 {"thinning", stream.thinning}}));
+      continue;
+    }
     auto failed = net::write_file_atomically(folder_ + name, stream.bytes);
     if (failed && make_room()) failed = net::write_file_atomically(folder_ + name, stream.bytes);
     if (failed) {
@@ -226,6 +273,7 @@ std::optional<std::string> Publisher::publish(std::int64_t step, double time, st
   about_.put("time", time);
   about_.put("streams", std::move(list));
   kept_.push_back(std::move(kept));
+  shelved_ = shelved;
   seen_ = false;
   drop_old();
   return std::nullopt;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/insitu/bricks/brick_shelf.h"
 #include "app/insitu/parameters.h"
 #include "app/insitu/step_streams.h"
 #include "base/noncopyable.h"
@@ -27,7 +28,8 @@ struct PublisherOptions {
   std::string folder;  // for all streams; if empty, a temporary folder keeps the newest streams
   bool serve = false;
   std::uint16_t port = 0;
-  std::string bind, token_file, title;
+  std::string bind, token_file, live_file, title;
+  BrickShelf::Share share;  // of the server's thread; the functions must outlive the publisher
 };
 
 /// Output of a session on rank 0: streams in a folder, a world that shows the newest streams, and a server. Used by the
@@ -43,14 +45,24 @@ class Publisher : NonCopyable {
   [[nodiscard]] std::optional<std::string> publish(std::int64_t step, double time, std::vector<StepStream> streams);
   /// Reports whether the next step is needed: for the user's folder, for a waiting viewer, or as the first step.
   [[nodiscard]] bool is_wanted() const;
+  /// Reports whether a viewer sent a request recently.
+  [[nodiscard]] bool has_viewer() const;
+  /// Returns chunks of kept grids that viewers wait for.
+  [[nodiscard]] std::vector<WantedChunk> take_wanted(std::size_t most) { return shelf_.take_wanted(most); }
+  /// Receives a chunk that take_wanted() returned.
+  void deliver(const WantedChunk& wanted, std::vector<float> values);
+  /// Drops the older of the two kept steps, before the next one is kept.
+  void drop_older() { shelf_.drop_older(); }
   [[nodiscard]] std::uint16_t port() const { return server_ ? server_->port() : 0; }
   /// Returns the file with the token; empty if there is none.
   [[nodiscard]] const std::string& token_file() const { return token_file_; }
 
  private:
-  Publisher(PublisherOptions options, Parameters& parameters) : options_(std::move(options)), parameters_(parameters) {}
+  Publisher(PublisherOptions options, Parameters& parameters)
+      : options_(std::move(options)), parameters_(parameters), shelf_(options_.share) {}
   [[nodiscard]] std::optional<std::string> start_server();
   [[nodiscard]] std::optional<std::string> write_token(std::uint16_t port);
+  [[nodiscard]] std::optional<std::string> write_address(std::uint16_t port);
   [[nodiscard]] std::string json() const;
   [[nodiscard]] net::PostAnswer post(const net::PostRequest& request);
   void note_viewer();
@@ -58,12 +70,15 @@ class Publisher : NonCopyable {
 
   const PublisherOptions options_;
   Parameters& parameters_;
+  BrickShelf shelf_;
   net::LockedFolder temporary_;
   std::string folder_;  // with a slash at the end
   std::string token_, token_file_;
+  bool has_live_file_ = false;
 
   mutable std::mutex mutex_;  // guards the members up to `kept_`
   std::string world_;
+  bool shelved_ = false;  // the newest step has a grid on the shelf
   JsonValue about_;
   struct Kept {
     std::vector<std::string> files;

@@ -35,12 +35,13 @@ void StepPace::note_cost(double seconds, std::uint64_t bytes) {
   known_ = true;
 }
 
-std::int64_t StepPace::steps_until_contact(std::int64_t number, double now, double own, bool takes) const {
+std::int64_t StepPace::steps_until_contact(std::int64_t number, double now, double own, bool takes,
+                                           double interval) const {
   const double step_seconds = number > 0 ? std::max(now - own, 0.0) / static_cast<double>(number) : 0;
   std::int64_t steps = 1;
   constexpr std::int64_t kMostSteps = 10'000;
   if (step_seconds > 0)
-    steps = std::clamp(static_cast<std::int64_t>(kContactSeconds / step_seconds), std::int64_t{1}, kMostSteps);
+    steps = std::clamp(static_cast<std::int64_t>(interval / step_seconds), std::int64_t{1}, kMostSteps);
   if (takes && (most_share_ <= 0 || !known_)) steps = 1;
   if (takes && most_share_ > 0 && known_) {
     // Time from which the share permits the next step.
@@ -51,7 +52,8 @@ std::int64_t StepPace::steps_until_contact(std::int64_t number, double now, doub
   }
   // Steps between multiples of `every` cannot be taken.
   const std::int64_t to_next = every_ - number % every_;
-  return takes && every_ > 1 ? to_next + (steps - 1) / every_ * every_ : steps;
+  if (!takes || every_ <= 1) return steps;
+  return interval < kContactSeconds ? std::min(steps, to_next) : to_next + (steps - 1) / every_ * every_;
 }
 
 }  // namespace gs::app::insitu

@@ -20,10 +20,13 @@ class StepPace {
   /// two per second. The first step gets a small size. Without a limited share, returns the maximum number.
   [[nodiscard]] std::uint64_t affordable_bytes(std::int64_t number, double now, double own) const;
   /// Returns the number of steps after the step `number` until the ranks must agree again, at least 1. If `takes` is
-  /// false, no step is needed now. Then the ranks agree only for new parameters and viewers.
-  [[nodiscard]] std::int64_t steps_until_contact(std::int64_t number, double now, double own, bool takes) const;
+  /// false, no step is needed now. Then the ranks agree only for new parameters and viewers, each `interval` seconds.
+  /// An interval below kContactSeconds holds for steps that cannot be taken, too.
+  [[nodiscard]] std::int64_t steps_until_contact(std::int64_t number, double now, double own, bool takes,
+                                                 double interval = kContactSeconds) const;
 
   static constexpr double kContactSeconds = 0.25;  // interval for new parameters and viewers
+  static constexpr double kQuickContact = 0.05;    // interval while viewers may request chunks
 
  private:
   double most_share_ = 0, cost_ = 0;

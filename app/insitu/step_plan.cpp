@@ -37,6 +37,11 @@ std::uint64_t grid_bytes(const StepPlan& plan) {
   return all < 1e18 ? static_cast<std::uint64_t>(all) : UINT64_MAX;
 }
 
+std::uint64_t points_of_grid(const StepPlan& plan) {
+  const auto size = grid_size(plan.grid, plan.grid_field[0].of_cells != 0, 1);
+  return std::uint64_t{size[0]} * size[1] * std::min(std::uint64_t{size[2]}, UINT64_MAX / size[0] / size[1]);
+}
+
 void plan_grid(std::span<const RankFacts> ranks, const PlanWishes& wishes, StepPlan& plan) {
   const RankFacts* first = nullptr;
   for (const RankFacts& rank : ranks) {
@@ -58,6 +63,22 @@ void plan_grid(std::span<const RankFacts> ranks, const PlanWishes& wishes, StepP
     plan.grid_field[0] = chosen_field(first->blocks, wishes.field);
   }
   constexpr std::uint32_t kMaxThinning = 1U << 20;
+  if (wishes.keep && plan.grid_field[0].components == 1 && points_of_grid(plan) > kMaxCollectedPoints) {
+    plan.keeps = 1;
+    plan.serial = wishes.serial;
+    plan.kept_field = plan.grid_field[0];
+    plan.grid_fields = 0;
+    std::uint64_t most = 0;
+    for (const RankFacts& rank : ranks) most = std::max(most, rank.blocks.count);
+    // Flat axes cannot be thinned.
+    double part = 1;
+    for (const std::uint32_t points : grid_size(plan.grid, plan.kept_field.of_cells != 0, 1))
+      if (points > 1) part /= 2;
+    double bytes = static_cast<double>(most) * wishes.kept_bytes * kKeptSteps;
+    for (; bytes > static_cast<double>(wishes.max_memory) && plan.kept_thinning < kMaxThinning; bytes *= part)
+      plan.kept_thinning *= 2;
+    return;
+  }
   while (grid_bytes(plan) > wishes.max_memory && plan.thinning < kMaxThinning) plan.thinning *= 2;
 }
 
@@ -93,6 +114,7 @@ std::array<std::uint32_t, 3> grid_size(const GridFacts& grid, bool of_cells, std
 
 StepPlan plan_step(std::span<const RankFacts> ranks, const PlanWishes& wishes) {
   StepPlan plan;
+  plan.max_memory = wishes.max_records;
   plan_grid(ranks, wishes, plan);
   std::array<double, 3> low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
   const auto widen = [&](const PartFacts& part) {
@@ -115,6 +137,13 @@ StepPlan plan_step(std::span<const RankFacts> ranks, const PlanWishes& wishes) {
   }
   if (const PartFacts* const particles = first_with(ranks, &RankFacts::particles)) {
     plan.has_particles = 1;
+    std::uint64_t count = 0;
+    for (const RankFacts& rank : ranks) count += std::min(rank.particles.count, UINT64_MAX / 64 / ranks.size());
+    // Each rank rounds its number up.
+    const std::uint64_t most = wishes.max_records / sizeof(ParticlePoint);
+    const std::uint64_t room = most > ranks.size() ? most - ranks.size() : 1;
+    plan.particle_stride =
+        static_cast<std::uint32_t>(std::clamp<std::uint64_t>((count + room - 1) / room, 1, UINT32_MAX));
     plan.particle_field = chosen_field(*particles, wishes.field);
   }
   return plan;

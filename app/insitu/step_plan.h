@@ -25,7 +25,7 @@ struct FieldFacts {
 struct PartFacts {
   std::uint32_t parts = 0, fields = 0;  // `fields` of the first part
   std::array<FieldFacts, kMaxFields> field{};
-  std::uint64_t count = 0;              // triangles or particles
+  std::uint64_t count = 0;              // points of blocks, triangles or particles
   std::array<double, 3> low{}, high{};  // bounds of cells or particles
   double radius = 0;                    // of particles
 };
@@ -35,6 +35,12 @@ struct GridFacts {
   std::array<std::int64_t, 6> whole{};
   std::array<double, 3> origin{}, spacing{1, 1, 1};
   friend bool operator==(const GridFacts&, const GridFacts&) = default;
+};
+
+/// Particle as rank 0 collects it, with its position relative to StepPlan::origin.
+struct ParticlePoint {
+  std::array<float, 3> position{};
+  float value = 0;  // NaN without a field
 };
 
 /// Description of the data that a rank passed in a step.
@@ -52,8 +58,14 @@ struct StepPlan {
   std::uint32_t grid_fields = 0, has_cells = 0, has_particles = 0;
   std::array<FieldFacts, kMaxFields> grid_field{};
   FieldFacts cell_field, particle_field;  // an empty name means no field
-  std::array<double, 3> origin{};         // subtracted from positions before they become float32
+  // Field that the ranks keep for requests of viewers, if `keeps` is 1. It is then not one of `grid_field`.
+  std::uint32_t keeps = 0, kept_thinning = 1;
+  std::uint64_t serial = 0;  // number of the kept step
+  FieldFacts kept_field;
+  std::array<double, 3> origin{};  // subtracted from positions before they become float32
   double radius = 0;
+  std::uint64_t max_memory = UINT64_MAX;  // for the triangles of cells, or the particles, on rank 0
+  std::uint32_t particle_stride = 1;      // every n-th particle of each rank is sent
 };
 
 [[nodiscard]] FieldFacts facts_of(const FieldView& view);
@@ -65,10 +77,19 @@ struct StepPlan {
 
 /// Requests of rank 0 for plans.
 struct PlanWishes {
-  bool all_fields = false;  // true for all fields of grids, false for `field` only
-  std::string field;        // empty or unknown means the first field
-  std::uint64_t max_memory = 0;
+  bool all_fields = false;                 // true for all fields of grids, false for `field` only
+  std::string field;                       // empty or unknown means the first field
+  std::uint64_t max_memory = 0;            // for grids
+  std::uint64_t max_records = UINT64_MAX;  // bytes of the triangles of cells, or of particles
+  bool keep = false;                       // lets ranks keep a large grid for requests, instead of sending it
+  double kept_bytes = 2;                   // memory of a kept value
+  std::uint64_t serial = 0;                // for StepPlan::serial
 };
+/// Maximum number of points of a grid that rank 0 collects although PlanWishes::keep is set, because it is encoded as
+/// quickly as requests are answered.
+inline constexpr std::uint64_t kMaxCollectedPoints = std::uint64_t{1} << 16;
+/// Number of steps that each rank keeps.
+inline constexpr std::size_t kKeptSteps = 2;
 /// Chooses the data of a step from the facts of all ranks.
 [[nodiscard]] StepPlan plan_step(std::span<const RankFacts> ranks, const PlanWishes& wishes);
 

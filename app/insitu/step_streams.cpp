@@ -115,6 +115,14 @@ const char* name_of(StreamKind kind) {
 std::vector<StepStream> encode_step(const StepData& data, const StreamLimits& limits,
                                     std::vector<std::string>& problems) {
   std::vector<StepStream> streams;
+  if (data.served)
+    streams.push_back({StreamKind::volume,
+                       data.served->grid.field,
+                       data.served->grid.unit,
+                       {},
+                       data.served->max_error,
+                       data.served->thinning,
+                       data.served});
   for (const GridValues& grid : data.grids)
     take(encode_grid(data, grid, limits), grid.field.name.data(), streams, problems);
   for (const SurfaceValues& surface : data.surfaces) {
@@ -125,7 +133,7 @@ std::vector<StepStream> encode_step(const StepData& data, const StreamLimits& li
     take(problem ? std::variant<StepStream, std::string>(*problem) : std::move(stream), "surface", streams, problems);
   }
   for (const ParticleValues& some : data.particles) {
-    StepStream stream{StreamKind::particles, some.field.name.data(), some.field.unit.data(), {}, 0, 1};
+    StepStream stream{StreamKind::particles, some.field.name.data(), some.field.unit.data(), {}, 0, some.stride};
     qnv::EncodeOptions options = options_of(limits);
     options.metadata = step_metadata(data, limits, stream.field, stream.unit);
     const auto problem = encode_particles(some, std::move(options), stream.bytes);

@@ -1,11 +1,13 @@
 #pragma once
 
+#include "app/insitu/bricks/brick_shelf.h"
 #include "app/insitu/grid_parts.h"
 #include "app/insitu/particle_parts.h"
 #include "app/insitu/surface_parts.h"
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <variant>
 #include <vector>
@@ -19,6 +21,7 @@ struct StepData {
   std::vector<GridValues> grids;
   std::vector<SurfaceValues> surfaces;
   std::vector<ParticleValues> particles;
+  std::shared_ptr<ServedGrid> served;  // grid that the ranks keep for requests; null if there is none
 
   /// Returns the number of bytes of all copied data.
   [[nodiscard]] std::uint64_t bytes() const;
@@ -42,8 +45,9 @@ struct StepStream {
   StreamKind kind = StreamKind::volume;
   std::string field, unit;
   std::vector<std::byte> bytes;
-  double max_error = 0;        // of values of a volume, in their unit, as the stream states it
-  std::uint32_t thinning = 1;  // of a grid
+  double max_error = 0;                          // of values of a volume, in their unit, as the stream states it
+  std::uint32_t thinning = 1;                    // of a grid or of particles
+  std::shared_ptr<ServedGrid> served = nullptr;  // served instead of `bytes`; null for streams
 };
 
 /// Encodes all data of a step. Adds one message to `problems` for each field that cannot be encoded. Any

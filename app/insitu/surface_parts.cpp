@@ -292,13 +292,16 @@ bool gather_surface(Ranks& ranks, std::span<const CellsView> parts, const StepPl
   values.field = plan.cell_field;
   values.origin = plan.origin;
   values.triangles = outer_triangles(parts, plan.cell_field, plan.origin, left_out);
-  if (!gather_records(ranks, values.triangles)) return false;
+  bool fits = true;
+  if (!gather_records(ranks, values.triangles, plan.max_memory, fits)) return false;
+  values.too_large = !fits;
   if (ranks.is_first() && (ranks.count() > 1 || parts.size() > 1)) remove_shared(values.triangles);
   return true;
 }
 
 std::optional<std::string> encode_surface(const SurfaceValues& surface, double relative_error,
                                           qnv::EncodeOptions options, std::vector<std::byte>& bytes) {
+  if (surface.too_large) return "its triangles exceed max_memory; raise max_memory";
   if (surface.triangles.empty()) return "the cells have no surface";
   ValueColors colors;
   colors.title = surface.field.name.data();

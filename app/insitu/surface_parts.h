@@ -35,6 +35,7 @@ struct SurfaceTriangle {
 struct SurfaceValues {
   FieldFacts field;
   std::array<double, 3> origin{};
+  bool too_large = false;  // the triangles exceed the memory limit and are left out
   std::vector<SurfaceTriangle> triangles;
 };
 

@@ -9,6 +9,9 @@
 #include "app/loading/content/scene_handler.h"
 #include "app/loading/fetch/importance.h"
 #include "app/loading/fetch/loading.h"
+#include "app/loading/listing/bucket_list.h"
+#include "app/loading/listing/folder_choice.h"
+#include "app/loading/updates/live_data.h"
 #include "net/files/standard_input.h"
 #include "net/serve/served_folder.h"
 
@@ -35,6 +38,20 @@ std::optional<net::Url> stream_of(const net::Url& url, const LoadOptions& option
   stream.has_query = true;
   stream.query = net::kLeastSizeQuery + std::to_string(kWorthEncoding);
   return stream;
+}
+
+// Returns the URLs of lists that a URL may stand for: of a folder, with a slash at its end, or of a series of numbered
+// files. Returns no URL for other URLs.
+std::vector<net::Url> lists_of(const net::Url& asked, const std::string& text) {
+  const auto series = series_of_url(text);
+  if (!series && !asked.path.ends_with('/')) return {};
+  net::Url start = asked;
+  if (series)
+    start.path = net::parse_url(text.substr(0, text.rfind('/') + 1)).path + net::reference_of_path(series->before);
+  std::vector<net::Url> lists;
+  // Scans may have subfolders.
+  for (const BucketPlace& place : bucket_places(start)) lists.push_back(list_url(place, series.has_value()));
+  return lists;
 }
 
 }  // namespace
@@ -71,7 +88,7 @@ WorldLoading::State::State(const std::string& path, const LoadOptions& options)
 
 void WorldLoading::State::start() {
   const std::string& asked_path = loading.results.path();
-  const net::Url asked = net::parse_url(asked_path);
+  const net::Url asked = net::parse_url(live_address(asked_path));
   auto first = std::make_unique<Fetch>();
   if (asked.scheme.empty() || asked.scheme == "file") {
     std::string path = asked.scheme.empty() ? asked_path : net::path_of_url(asked);
@@ -97,7 +114,9 @@ void WorldLoading::State::start() {
     net::ReferencePolicy policy;
     if (asked.scheme == "ssh") policy.allow_ssh(asked);
     if (first->candidates.empty()) {
-      first->candidates = {asked};
+      const std::vector<net::Url> lists = lists_of(asked, asked_path);
+      if (lists.empty() || !series_of_url(asked_path)) first->candidates = {asked};
+      first->candidates.insert(first->candidates.end(), lists.begin(), lists.end());
       if (const auto stream = stream_of(asked, loading.options)) {
         first->candidates.insert(first->candidates.begin(), *stream);
         first->optional = 1;
@@ -232,6 +251,7 @@ LoadedWorld WorldLoading::take(render::MeshCache* meshes) {
   s.meshes = {};
   LoadedWorld world = s.loading.results.hand_over(give_root(*s.root, s.context));
   world.bytes = s.root->bytes();
+  world.parts = s.root->parts();
   world.parse_seconds = s.root->seconds();
   world.truncated = s.root->target().content() == SceneTarget::Content::cut_short;
   return world;

@@ -240,6 +240,10 @@ std::variant<std::unique_ptr<Archive>, std::string> Archive::start(const Archive
   };
   if (const net::CellServerDriver* cells = archive->cells_.get())
     http.more_metrics = [cells] { return cell_metrics(cells->statistics()); };
+  if (whole) {
+    http.content = options.content;
+    http.post = options.post;
+  }
   http.report = options.report;
   if (!options.log.empty()) {
     auto log = net::AccessLog::open(options.log);

@@ -1,9 +1,11 @@
 #include "app/serve/stdio_server.h"
 
+#include "app/serve/live_relay.h"
 #include "net/tunnel/socket_pump.h"
 #include "net/tunnel/tunnel_session.h"
 
 #include <csignal>
+#include <mutex>
 #include <optional>
 
 #include <fcntl.h>
@@ -27,12 +29,25 @@ std::pair<net::Descriptor, net::Descriptor> take_standard_streams() {
 
 }  // namespace
 
-std::optional<std::string> serve_standard_streams(const ArchiveOptions& options) {
+std::optional<std::string> serve_standard_streams(const ArchiveOptions& given) {
   const auto [in, out] = take_standard_streams();
   std::signal(SIGPIPE, SIG_IGN);
+  Archive* server = nullptr;
+  std::mutex mutex;  // guards `server`
+  LiveRelay relay([&] {
+    const std::lock_guard lock(mutex);
+    if (server) server->wake();
+  });
+  ArchiveOptions options = given;
+  options.content = [&relay](const net::ContentRequest& request) { return relay.content(request); };
+  options.post = [&relay](const net::PostRequest& request) { return relay.post(request); };
   auto started = Archive::start(options);
   if (const auto* problem = std::get_if<std::string>(&started)) return *problem;
   Archive& archive = *std::get<std::unique_ptr<Archive>>(started);
+  {
+    const std::lock_guard lock(mutex);
+    server = &archive;
+  }
   net::TunnelTerms terms;
   terms.role = net::TunnelRole::server;
   terms.version = GHOSTSPACE_VERSION;
@@ -52,6 +67,10 @@ std::optional<std::string> serve_standard_streams(const ArchiveOptions& options)
       pump.add(id, std::move(ours));
       archive.adopt(std::move(theirs));
     }
+  }
+  {
+    const std::lock_guard lock(mutex);
+    server = nullptr;
   }
   archive.stop(std::chrono::milliseconds(0));
   if (over->empty()) return std::nullopt;

@@ -49,6 +49,7 @@ Session::Session(const SessionOptions& options, LoadOptions load, const std::fun
       input_(step_, {viewports_, opening_, links_, travel_, camera_, pointing_, sound_}) {
   viewports_.observe([this] { pointing_.leave(); }, [this](std::size_t pane) { travel_.forget(pane); });
   viewports_.loading().set_style(options.style);
+  readers_.use(options.early);
   opening_.start(options.files, options.split);
 }
 

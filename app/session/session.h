@@ -24,6 +24,7 @@
 #include "base/noncopyable.h"
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -45,6 +46,7 @@ struct SessionOptions {
   ViewStyle style{};                 // initial style of views
   std::optional<Pose> camera{};      // initial camera, only for the first file
   std::optional<SplitTree> split{};  // arrangement of the viewports; nullopt derives it from the number of files
+  std::shared_ptr<EarlyReader> early{};  // reader of the first file, if it has started
 };
 
 /// Extension that acts in each step of a session, in addition to the user; see Session::add_extension().

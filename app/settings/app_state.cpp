@@ -102,7 +102,7 @@ std::optional<AppState> read_memory(std::string_view text) {
 std::string bookmarks_text(const std::vector<Bookmark>& bookmarks) {
   json list = json::array();
   for (const Bookmark& one : bookmarks) {
-    json entry = {{"title", one.title}, {"place", one.place}};
+    json entry = {{"title", one.title}, {"place", net::without_signature(one.place)}};
     if (!one.viewpoint.empty()) entry["viewpoint"] = one.viewpoint;
     if (!one.camera.empty()) entry["camera"] = one.camera;
     list.push_back(std::move(entry));

@@ -2,6 +2,7 @@
 
 #include "app/desktop/hand_over.h"
 #include "base/text.h"
+#include "net/base/url_signature.h"
 
 #include <algorithm>
 #include <cmath>
@@ -45,6 +46,9 @@ std::optional<Pose> pose_of_camera(const std::vector<double>& camera, const Pose
   return valid_pose(pose, before);
 }
 
+// Returns the place of a file as bookmarks keep it. A signature is a secret, and expires.
+std::string place_to_keep(const std::string& path) { return net::without_signature(absolute_place(path)); }
+
 }  // namespace
 
 std::string title_of_world(const std::string& title, const std::string& file) {
@@ -60,7 +64,7 @@ std::optional<Bookmark> ViewBookmarks::bookmark_of_view() const {
   const View* seen = pane.view();
   if (!seen || pane.shown.empty()) return std::nullopt;
   Bookmark bookmark;
-  bookmark.place = absolute_place(pane.shown);
+  bookmark.place = place_to_keep(pane.shown);
   const auto& viewpoints = seen->list->viewpoints;
   if (seen->viewpoint && *seen->viewpoint < viewpoints.size())
     bookmark.viewpoint = viewpoint_label(viewpoints[*seen->viewpoint], *seen->viewpoint);
@@ -106,10 +110,10 @@ void ViewBookmarks::open(std::size_t index) {
   if (index >= store_.bookmarks().size()) return;
   const Bookmark bookmark = store_.bookmarks()[index];
   const View* seen = session_.view();
-  // If the file is already open by another spelling of its path, use that spelling.
+  // If the file is already open by another spelling of its path, or with a signature, use that spelling.
   std::string place = bookmark.place;
   for (const DocumentList::Entry& entry : session_.panes().documents().entries())
-    if (absolute_place(entry.path) == place) place = entry.path;
+    if (place_to_keep(entry.path) == place) place = entry.path;
   session_.travel().open_at(place, bookmark.viewpoint,
                             pose_of_camera(bookmark.camera, seen ? seen->navigation.pose : Pose{}));
 }

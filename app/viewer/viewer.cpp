@@ -8,6 +8,8 @@
 #include "render/image/image.h"
 
 #include <algorithm>
+#include <atomic>
+#include <memory>
 #include <utility>
 
 namespace gs::app {
@@ -227,7 +229,14 @@ void Viewer::show_title() {
   window_->set_title(title_);
 }
 
-int run_viewer(const ViewerOptions& options, const LoadOptions& load, std::string& error) {
+int run_viewer(const ViewerOptions& given, const LoadOptions& load, std::string& error) {
+  ViewerOptions options = given;
+  // The first file of a server is requested while the window opens. Before that, there is no event loop to wake.
+  const auto has_window = std::make_shared<std::atomic<bool>>(false);
+  if (!options.session.files.empty())
+    options.session.early = read_early(options.session.files.front(), load, [has_window] {
+      if (*has_window) Window::wake();
+    });
   const glm::ivec2 size = first_size(options);
   auto window = Window::open("GhostSpace", size.x, size.y);
   if (const auto* problem = std::get_if<render::ContextError>(&window)) {
@@ -235,6 +244,7 @@ int run_viewer(const ViewerOptions& options, const LoadOptions& load, std::strin
     return 1;
   }
   auto& context = std::get<std::unique_ptr<Window>>(window);
+  *has_window = true;
   if (options.folders.any())
     if (const auto place = remembered(options.folders).place) context->move_to({(*place)[0], (*place)[1]});
   auto renderer = render::Renderer::create(*context);

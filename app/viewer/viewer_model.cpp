@@ -54,6 +54,12 @@ bool ViewerController::shows_rates() const {
   return std::any_of(readings_.begin(), readings_.end(), [](const RateHistory& one) { return one.rate() > 0; });
 }
 
+// Reports whether a pane shows a step of a running simulation while it loads the next one. This needs no notice.
+static bool shows_live_step(const Pane& pane) {
+  const View* const view = pane.shown == pane.wanted ? pane.view() : nullptr;
+  return view && !view->document->world.live.empty();
+}
+
 void ViewerController::describe_viewports(UiModel& model, const Frame& frame, std::size_t budget) {
   const Panes& panes = session_.panes();
   const std::vector<std::size_t> budgets = budgets_of(frame, panes, budget);
@@ -72,7 +78,7 @@ void ViewerController::describe_viewports(UiModel& model, const Frame& frame, st
       viewport.pose = seen->navigation.pose;
       if (const auto& runtime = seen->document->runtime) viewport.stopped = reason_of_stop(*runtime);
     }
-    if (panes.loading(picture.pane)) {
+    if (panes.loading(picture.pane) && !shows_live_step(pane)) {
       viewport.loading = progress_of(pane.wanted);
       viewport.loaded = received_part(session_.readers().progress_of(pane.wanted));
     }
@@ -186,7 +192,8 @@ void ViewerController::describe_user(UiModel& model, const Pane& pane) {
   model.bookmark = bookmarks_.find();
   model.can_go_back = session_.travel().can_go(-1);
   model.can_go_forward = session_.travel().can_go(1);
-  model.loading = session_.panes().loading(session_.panes().active());
+  const Panes& panes = session_.panes();
+  model.loading = panes.loading(panes.active()) && !shows_live_step(panes.at(panes.active()));
 }
 
 }  // namespace gs::app

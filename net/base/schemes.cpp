@@ -9,15 +9,15 @@ namespace gs::net {
 namespace {
 
 constexpr std::array kSchemes{
-    // name, transport, lane, from_network, redirect_target, cached, secure, has_host, needs_host, port
-    Scheme{"file", TransportKind::file, Lane::local, false, false, false, false, false, false, 0},
-    Scheme{"data", TransportKind::data, Lane::local, true, false, false, false, false, false, 0},
-    Scheme{"http", TransportKind::http, Lane::network, true, true, true, false, true, true, 80},
-    Scheme{"https", TransportKind::http, Lane::network, true, true, true, true, true, true, 443},
-    Scheme{"ftp", TransportKind::http, Lane::network, true, false, false, false, true, true, 21},
-    Scheme{"ssh", TransportKind::http, Lane::network, false, false, true, true, true, true, 0},
-    Scheme{"cells", TransportKind::cells, Lane::network, true, false, false, false, true, true, 0},
-    Scheme{"memory", TransportKind::memory, Lane::network, true, false, true, false, true, false, 0},
+    // name, transport, lane, from_network, redirect_target, cached, buckets, secure, has_host, needs_host, port
+    Scheme{"file", TransportKind::file, Lane::local, false, false, false, false, false, false, false, 0},
+    Scheme{"data", TransportKind::data, Lane::local, true, false, false, false, false, false, false, 0},
+    Scheme{"http", TransportKind::http, Lane::network, true, true, true, true, false, true, true, 80},
+    Scheme{"https", TransportKind::http, Lane::network, true, true, true, true, true, true, true, 443},
+    Scheme{"ftp", TransportKind::http, Lane::network, true, false, false, false, false, true, true, 21},
+    Scheme{"ssh", TransportKind::http, Lane::network, false, false, true, false, true, true, true, 0},
+    Scheme{"cells", TransportKind::cells, Lane::network, true, false, false, false, false, true, true, 0},
+    Scheme{"memory", TransportKind::memory, Lane::network, true, false, true, true, false, true, false, 0},
 };
 
 }  // namespace

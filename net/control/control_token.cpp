@@ -52,14 +52,17 @@ bool same_secret(std::string_view a, std::string_view b) {
 }
 
 std::optional<std::string> write_control_token(const std::string& path, const std::string& token) {
-  const auto problem = [&] { return path + ": " + std::strerror(errno); };
   struct stat about {};
   if (::lstat(path.c_str(), &about) == 0 && !is_token_file(path))
     return path + " already exists and has no token; not overwritten";
+  return write_private_file(path, token + "\n");
+}
+
+std::optional<std::string> write_private_file(const std::string& path, std::string_view text) {
+  const auto problem = [&] { return path + ": " + std::strerror(errno); };
   std::string made = path + ".XXXXXX";
   Descriptor file(::mkostemp(made.data(), O_CLOEXEC));  // mkostemp creates the file with mode 0600
   if (!file) return problem();
-  const std::string text = token + "\n";
   const bool written = ::write(file.get(), text.data(), text.size()) == static_cast<ssize_t>(text.size());
   if (written && file.close() && ::rename(made.c_str(), path.c_str()) == 0) return std::nullopt;
   const std::string why = problem();

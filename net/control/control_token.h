@@ -16,6 +16,10 @@ namespace gs::net {
 /// if it is a token file. Returns the error, or nullopt.
 [[nodiscard]] std::optional<std::string> write_control_token(const std::string& path, const std::string& token);
 
+/// Writes a text to a file that only the user may read (mode 0600). Replaces an existing file. Returns the error, or
+/// nullopt.
+[[nodiscard]] std::optional<std::string> write_private_file(const std::string& path, std::string_view text);
+
 /// Returns the usual token file of a simulation on this machine, for the port of its server. The token permits changes
 /// of parameters. Returns "" if the user has no folder for the file.
 [[nodiscard]] std::string usual_token_file(std::uint16_t port);

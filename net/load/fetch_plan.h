@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "net/base/range_set.h"
-#include "net/load/transport.h"
+#include "net/transfer/transport.h"
 
 namespace gs::net {
 

@@ -6,7 +6,7 @@
 
 #include "net/base/schemes.h"
 #include "net/base/url.h"
-#include "net/load/load_types.h"
+#include "net/transfer/load_types.h"
 
 namespace gs::net {
 

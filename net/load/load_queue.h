@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "net/load/load_types.h"
+#include "net/transfer/load_types.h"
 
 namespace gs::net {
 

@@ -15,7 +15,7 @@
 #include "net/http/http_cache.h"
 #include "net/load/load_engine.h"
 #include "net/load/load_queue.h"
-#include "net/load/transport.h"
+#include "net/transfer/transport.h"
 
 namespace gs::net {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/noncopyable.h"
-#include "net/load/load_types.h"
+#include "net/transfer/load_types.h"
 
 namespace gs::net {
 

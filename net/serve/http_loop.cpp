@@ -214,9 +214,14 @@ void HttpLoop::pace(Instant now) {
   }
 }
 
+bool HttpLoop::is_still_waiting(const Waiting& waiting) const {
+  if (waiting.lane == kContentLane) return options_.content(waiting.content).state == HeldContent::State::waiting;
+  return made_->is_waiting(waiting.lane, waiting.key);
+}
+
 void HttpLoop::look_at_made(Instant now) {
   for (auto at = waiting_.begin(); at != waiting_.end();) {
-    if (now < at->second.until && made_->is_waiting(at->second.lane, at->second.key)) {
+    if (now < at->second.until && is_still_waiting(at->second)) {
       ++at;
       continue;
     }

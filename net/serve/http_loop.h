@@ -32,6 +32,8 @@ class HttpLoop : NonCopyable {
   [[nodiscard]] std::uint16_t port() const { return port_; }
   /// Serves a connected socket. Any thread.
   void adopt(Descriptor socket);
+  /// Ends the current wait of the thread. Any thread.
+  void wake() const;
   /// Returns the statistics. Any thread.
   [[nodiscard]] HttpServerStatistics statistics() const;
   /// Stops the server after at most `grace`. Any thread.
@@ -47,7 +49,7 @@ class HttpLoop : NonCopyable {
     bool counted = false;
     bool shared = false;  // the peer is a proxy with many clients
     Phase phase = Phase::receiving;
-    Instant since{};  // start of the current phase, or last progress in it
+    Instant since{};         // start of the current phase, or last progress in it
     std::size_t credit = 0;  // bytes of the body that may be sent before the next wait for the bandwidth limit
     std::uint64_t sent = 0;  // sent bytes of the response body
   };
@@ -57,8 +59,8 @@ class HttpLoop : NonCopyable {
     HttpRequest request;
     AccessRecord record;
     Instant begin{};
-    bool seen = false;  // the headers of the request were read
-    bool counted = false;  // counted as a concurrent request of a client behind a proxy
+    bool seen = false;             // the headers of the request were read
+    bool counted = false;          // counted as a concurrent request of a client behind a proxy
     std::optional<Instant> until;  // end of the wait for a made file
     std::uint64_t id = 0;
   };
@@ -68,15 +70,16 @@ class HttpLoop : NonCopyable {
     std::size_t lane = 0;
     std::string key;
     Instant until{};
+    ContentRequest content = {};
   };
 
   void run();
   void pace(Instant now);
   void look_at_made(Instant now);
+  [[nodiscard]] bool is_still_waiting(const Waiting& waiting) const;
   void drop_slow(Instant now);
   [[nodiscard]] int milliseconds_to_wait(Instant now);
   [[nodiscard]] bool finished(Instant now);
-  void wake() const;
   [[nodiscard]] std::string metrics() const;
   [[nodiscard]] std::optional<std::string> listen();
   void take_adopted();
@@ -103,7 +106,7 @@ class HttpLoop : NonCopyable {
   std::uint16_t port_ = 0;
   std::set<Connection*> connections_;
   std::map<std::uint64_t, MHD_Connection*> turns_;  // suspended connections that wait for a turn
-  std::map<std::uint64_t, Waiting> waiting_;  // suspended requests that wait for a made file
+  std::map<std::uint64_t, Waiting> waiting_;        // suspended requests that wait for a made file or for content
   std::uint64_t next_id_ = 1;
   bool aborting_ = false, quiet_ = false;
   Instant looked_{};

@@ -22,6 +22,7 @@ std::variant<std::unique_ptr<HttpServer>, HttpServerError> HttpServer::start(Htt
 
 std::uint16_t HttpServer::port() const { return state_->loop.port(); }
 void HttpServer::adopt(Descriptor socket) { state_->loop.adopt(std::move(socket)); }
+void HttpServer::wake() { state_->loop.wake(); }
 HttpServerStatistics HttpServer::statistics() const { return state_->loop.statistics(); }
 void HttpServer::stop(std::chrono::milliseconds grace) { state_->loop.stop(grace); }
 

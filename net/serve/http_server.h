@@ -50,6 +50,18 @@ struct PostAnswer {
   std::string message;  // body of the answer, for users
 };
 
+/// Request for content that does not exist in the folder.
+struct ContentRequest {
+  std::string path;    // decoded, such as "a/b.bin"; ends with '/' if the request names a folder
+  std::string within;  // path of the folder that the requesting document may read, as received; empty means no limit
+};
+/// Content that the program makes while the request waits (HttpServerOptions::content).
+struct HeldContent {
+  enum class State : std::uint8_t { none, waiting, ready };
+  State state = State::none;  // `waiting`: the server asks again after HttpServer::wake(), and several times a second
+  std::string mime, body;     // if ready
+};
+
 /// Generator of files: makes a file of one kind from another file on demand.
 struct Maker {
   std::string name;  // for metrics and cache keys; letters only
@@ -88,6 +100,9 @@ struct HttpServerOptions {
   std::function<FolderPage(const FolderListing& listing, const FolderRequest& request)> list;
   /// Returns a page for a name that does not exist. Returns nullopt for status 404. May be empty.
   std::function<std::optional<FolderPage>(const std::string& name, const FolderRequest& request)> missing;
+  /// Returns content that does not exist in the folder. Called on the server's thread before `missing`; may be empty.
+  std::function<HeldContent(const ContentRequest& request)> content;
+  std::chrono::milliseconds content_wait{20'000};  // maximum wait for content; then retry
   /// Answers a POST request. Called on the server's thread; must check the client's rights. Empty means status 405.
   std::function<PostAnswer(const PostRequest& request)> post;
   /// Returns additional lines for /metrics.
@@ -133,6 +148,8 @@ class HttpServer : NonCopyable {
   [[nodiscard]] std::uint16_t port() const;
   /// Serves a connected socket. Any thread.
   void adopt(Descriptor socket);
+  /// Lets the server ask again for content that requests wait for. Any thread.
+  void wake();
   /// Returns the statistics. Any thread.
   [[nodiscard]] HttpServerStatistics statistics() const;
   /// Refuses new connections and requests, and waits at most `grace` for running transfers.

@@ -252,9 +252,10 @@ HttpSite::Reply HttpSite::get(const HttpRequest& request, const std::string& pat
   }
   auto opened = root_.open(names);
   if (const auto* refusal = std::get_if<PathRefusal>(&opened)) {
-    if (refusal->status == 404 && !names.folder) {
-      if (auto reply = made(request, names, query, true)) return std::move(*reply);
-      if (options_.missing)
+    if (refusal->status == 404) {
+      if (auto reply = names.folder ? std::nullopt : made(request, names, query, true)) return std::move(*reply);
+      if (auto reply = content(request, names)) return std::move(*reply);
+      if (options_.missing && !names.folder)
         if (auto page = options_.missing(names.names.back(), request_of(request, names, query)))
           return text(request, page->mime, std::move(page->body));
     }
@@ -402,6 +403,25 @@ HttpAnswer HttpSite::send(const HttpRequest& request, Representation chosen) con
   answer.headers.emplace_back("Content-Type", chosen.type.mime);
   if (size > 0) answer.parts.push_back({{}, {0, size}});
   return answer;
+}
+
+std::optional<HttpSite::Reply> HttpSite::content(const HttpRequest& request, const RequestPath& path) const {
+  if (!options_.content) return std::nullopt;
+  ContentRequest wanted{{}, request.within};
+  for (const std::string& part : path.names) wanted.path += (wanted.path.empty() ? "" : "/") + part;
+  if (path.folder) wanted.path += '/';
+  HeldContent held = options_.content(wanted);
+  switch (held.state) {
+    case HeldContent::State::none:
+      break;
+    case HeldContent::State::waiting:
+      if (request.method == "HEAD") return problem(202, "is being generated; retry later");
+      if (request.waited_long) return problem(503, "is not ready; retry later");
+      return WaitForMade{kContentLane, {}, options_.content_wait, std::move(wanted)};
+    case HeldContent::State::ready:
+      return text(request, held.mime, std::move(held.body));
+  }
+  return std::nullopt;
 }
 
 std::optional<HttpSite::Reply> HttpSite::made(const HttpRequest& request, const RequestPath& path,

@@ -7,6 +7,7 @@
 #include "net/serve/served_folder.h"
 
 #include <chrono>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,8 +22,8 @@ struct HttpRequest {
   std::string method, target;  // both as received
   std::string range, accept, accept_encoding;
   std::string authorization;  // for PostRequest
-  bool has_body = false;  // the request has a body, which is not read
-  std::string within;  // path of a folder that links in the target must not leave; empty means no limit
+  bool has_body = false;      // the request has a body, which is not read
+  std::string within;         // path of a folder that links in the target must not leave; empty means no limit
   Conditions conditions;
   std::vector<std::string> hosts;  // values of the Host fields
   std::string origin;              // origin of the requesting page; empty if missing
@@ -45,12 +46,15 @@ struct HttpAnswer {
   std::vector<AnswerPart> parts;
   [[nodiscard]] std::uint64_t size() const;
 };
+/// Lane of requests that wait for HttpServerOptions::content.
+inline constexpr std::size_t kContentLane = std::numeric_limits<std::size_t>::max();
 /// Result if a file must be made first. Repeat the request when the key no longer waits. After `wait`, repeat it with
-/// `waited_long`.
+/// `waited_long`. In the lane kContentLane, `content` replaces the key.
 struct WaitForMade {
   std::size_t lane = 0;
   std::string key;
   std::chrono::milliseconds wait{};
+  ContentRequest content = {};
 };
 
 /// Makes the responses for a folder over HTTP, without sockets. One thread.
@@ -84,6 +88,8 @@ class HttpSite {
   [[nodiscard]] static FolderRequest request_of(const HttpRequest& request, RequestPath path, const std::string& query);
   [[nodiscard]] Reply folder(const HttpRequest& request, const RequestPath& path, const std::string& query) const;
   [[nodiscard]] Reply file(const HttpRequest& request, const RequestPath& path, ServedFile file) const;
+  /// Returns the reply with content that the program makes, or nullopt if it has none for the path.
+  [[nodiscard]] std::optional<Reply> content(const HttpRequest& request, const RequestPath& path) const;
   [[nodiscard]] std::optional<Reply> made(const HttpRequest& request, const RequestPath& path, const std::string& query,
                                           bool missing) const;
   /// Returns the state and the key of the file that a maker makes from `source`. Starts to make the file if missing.

@@ -3,6 +3,7 @@
 #include "base/finite.h"
 #include "qnv/base/morton.h"
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -271,10 +272,16 @@ void MomentSums::add(const MomentSums& other) {
 SurfaceMoments MomentSums::moments() const {
   SurfaceMoments m;
   m.area = static_cast<float>(area.value());
-  m.position = value_of(position);
+  if (!(m.area > 0)) return {};
+  // Tiny areas have few bits. Rounding must not move the surface out of its voxel, nor make normals too long.
+  m.position = glm::clamp(value_of(position), glm::vec3(-0.5f * m.area), glm::vec3(0.5f * m.area));
   m.normal = value_of(normal);
+  const float length = std::sqrt(glm::dot(m.normal, m.normal));
+  if (length > m.area) m.normal *= m.area / length;
   m.color = value_of(color);
-  for (std::size_t i = 0; i < spread.size(); ++i) m.spread[i] = static_cast<float>(spread[i].value());
+  const double trace = spread[0].value() + spread[3].value() + spread[5].value();
+  const double scale = trace > 0 ? area.value() / trace : 0;
+  for (std::size_t i = 0; i < spread.size(); ++i) m.spread[i] = static_cast<float>(spread[i].value() * scale);
   return m;
 }
 
@@ -461,7 +468,8 @@ std::vector<VoxelSums> SurfaceVoxelizer::sums() {
 std::vector<Voxel> voxels_of(std::span<const VoxelSums> sums) {
   std::vector<Voxel> voxels;
   voxels.reserve(sums.size());
-  for (const VoxelSums& one : sums) voxels.push_back({one.key, one.sums.moments()});
+  for (const VoxelSums& one : sums)
+    if (const SurfaceMoments moments = one.sums.moments(); moments.area > 0) voxels.push_back({one.key, moments});
   return voxels;
 }
 

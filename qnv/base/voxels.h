@@ -45,7 +45,7 @@ struct Voxel {
 
 /// Moments of a voxel as sums that do not depend on the order of the triangles, nor on their distribution to processes.
 struct MomentSums {
-  using Sum = FixedSum<36>;  // of areas: as many as 2^26 full faces
+  using Sum = FixedSum<40>;  // of areas: as many as 2^23 full faces
   Sum area;
   std::array<Sum, 3> position, normal;
   std::array<FixedSum<28>, 3> color;
@@ -88,7 +88,7 @@ class SurfaceVoxelizer : NonCopyable {
   std::unique_ptr<State> state_;
 };
 
-/// Returns the voxels with these sums, in the same order.
+/// Returns the voxels with these sums, in the same order. Leaves out a voxel if its area is too small for the sums.
 [[nodiscard]] std::vector<Voxel> voxels_of(std::span<const VoxelSums> sums);
 
 /// Returns the voxels of the next coarser level.

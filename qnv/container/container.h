@@ -55,16 +55,21 @@ enum class ChunkType : std::uint8_t {
   labels = 19,
   gaussians = 20,
   harmonics = 21,
+  coarse_harmonics = 22,
   directory = 254
 };
 /// Reports whether chunks of a type list other chunks of the stream.
 [[nodiscard]] constexpr bool is_listing(ChunkType type) {
   return type == ChunkType::directory || type == ChunkType::places;
 }
+/// Reports whether chunks of a type have harmonics of Gaussians.
+[[nodiscard]] constexpr bool is_harmonics(ChunkType type) {
+  return type == ChunkType::harmonics || type == ChunkType::coarse_harmonics;
+}
 /// Reports whether this version has a chunk type. Readers skip other chunks.
 [[nodiscard]] constexpr bool is_known(std::uint8_t type) {
   constexpr std::uint8_t kReserved = 5;
-  return (type <= static_cast<std::uint8_t>(ChunkType::harmonics) && type != kReserved) ||
+  return (type <= static_cast<std::uint8_t>(ChunkType::coarse_harmonics) && type != kReserved) ||
          type == static_cast<std::uint8_t>(ChunkType::directory);
 }
 

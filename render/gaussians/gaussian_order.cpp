@@ -15,7 +15,7 @@ constexpr std::size_t kLeastPart = 16384, kParts = 8;  // keys that one task cou
 
 }  // namespace
 
-void sort_gaussians(std::vector<GaussianKey>& keys, unsigned threads) {
+void sort_gaussians(std::vector<GaussianKey>& keys, std::vector<GaussianKey>& other, unsigned threads) {
   const std::size_t count = keys.size();
   if (count < 2) return;
   const std::size_t parts = std::clamp<std::size_t>(count / kLeastPart, 1, kParts);
@@ -25,7 +25,7 @@ void sort_gaussians(std::vector<GaussianKey>& keys, unsigned threads) {
   const unsigned passes = (bits + kMostDigitBits - 1) / kMostDigitBits, digit_bits = (bits + passes - 1) / passes;
   const std::size_t digits = std::size_t{1} << digit_bits;
   const std::uint32_t first_key = least.key;
-  std::vector<GaussianKey> other(count);
+  other.resize(count);
   std::vector<std::uint32_t> places(parts * digits);
   for (unsigned pass = 0; pass < passes; ++pass) {
     const auto digit_of = [&](const GaussianKey& key) {

@@ -11,7 +11,7 @@ struct GaussianKey {
 };
 
 /// Sorts by key, ascending; equal keys keep their order. Radix sort on `threads` threads (0 means one per core). The
-/// result does not depend on their number.
-void sort_gaussians(std::vector<GaussianKey>& keys, unsigned threads);
+/// result does not depend on their number. `other` is memory that a caller may reuse; its content is undefined.
+void sort_gaussians(std::vector<GaussianKey>& keys, std::vector<GaussianKey>& other, unsigned threads);
 
 }  // namespace gs::render

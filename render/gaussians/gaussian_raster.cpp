@@ -10,19 +10,21 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <mutex>
 #include <numeric>
 #include <utility>
 
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kProjectedRange = 8192;               // splats per projection task
-constexpr std::size_t kListedRange = 4096;                  // splats per task that makes lists of regions
-constexpr std::size_t kMostEntries = std::size_t{1} << 21;  // of all regions that are kept at once
-constexpr int kRegionTiles = 4;                             // tiles along the side of a region
-constexpr int kRegion = kRegionTiles * kGaussianTile;       // pixels along the side of a region
-constexpr std::size_t kPrefetched = 16;                     // splats between a prefetch and its use
-constexpr std::size_t kGatheredSplats = 512;                // of a region that are blended together
+constexpr std::size_t kProjectedRange = 8192;                   // splats per projection task
+constexpr std::size_t kListedRange = 4096;                      // splats per task that makes lists of regions
+constexpr std::size_t kMostEntries = std::size_t{1} << 21;      // of all regions that are kept at once
+constexpr int kRegionTiles = 4;                                 // tiles along the side of a region
+constexpr int kRegion = kRegionTiles * kGaussianTile;           // pixels along the side of a region
+constexpr std::size_t kPrefetched = 16;                         // splats between a prefetch and its use
+constexpr std::size_t kMostKeptBytes = std::size_t{128} << 20;  // of arrays that the next picture reuses
+constexpr std::size_t kGatheredSplats = 512;                    // of a region that are blended together
 
 /// Tiles that a splat touches, inclusive.
 struct TileRange {
@@ -36,10 +38,32 @@ struct PlacedGaussian {
   std::uint32_t index;  // kProjectedRange * part + index in the part
 };
 
+/// Splat in the list of a region.
+struct ListedGaussian {
+  std::uint32_t index;                    // as in PlacedGaussian
+  std::uint8_t left, right, bottom, top;  // tiles of the region that it touches, inclusive
+};
+
+template <class T>
+std::size_t capacity_bytes(const std::vector<T>& array) {
+  return array.capacity() * sizeof(T);
+}
+
 /// Splats of one projection task.
 struct ProjectedPart {
   ProjectedGaussians projected;
   std::vector<PlacedGaussian> places;
+
+  void clear() {
+    projected.splats.clear();
+    projected.distances.clear();
+    projected.surfels.clear();
+    places.clear();
+  }
+  [[nodiscard]] std::size_t bytes() const {
+    return capacity_bytes(projected.splats) + capacity_bytes(projected.distances) + capacity_bytes(projected.surfels) +
+           capacity_bytes(places);
+  }
 };
 
 TileRange tiles_of(const GaussianSplat& splat, const SplatView& view) {
@@ -52,7 +76,7 @@ TileRange tiles_of(const GaussianSplat& splat, const SplatView& view) {
 }
 
 /// Projects all splats, in tasks of kProjectedRange input splats. A task may have splats of several items.
-std::vector<ProjectedPart> project_all(std::span<const GaussianItem> items, const SplatView& view) {
+void project_all(std::span<const GaussianItem> items, const SplatView& view, std::vector<ProjectedPart>& parts) {
   struct Run {
     std::size_t item, first, last;
   };
@@ -71,11 +95,12 @@ std::vector<ProjectedPart> project_all(std::span<const GaussianItem> items, cons
     }
   }
   if (listed > 0) tasks.push_back(runs.size());
-  std::vector<ProjectedPart> parts(tasks.size() - 1);
+  parts.resize(tasks.size() - 1);
   parallel_for(
       parts.size(),
       [&](std::size_t t) {
         ProjectedPart& part = parts[t];
+        part.clear();
         for (std::size_t run = tasks[t]; run < tasks[t + 1]; ++run)
           project_gaussians(items[runs[run].item], view, runs[run].first, runs[run].last, part.projected);
         part.places.reserve(part.projected.splats.size());
@@ -84,18 +109,54 @@ std::vector<ProjectedPart> project_all(std::span<const GaussianItem> items, cons
           part.places.push_back({tiles_of(splat, view), splat.depth, index++});
       },
       view.threads);
-  return parts;
 }
 
-/// Returns the splats by ascending distance from the eye; equal ones keep their order.
-std::vector<PlacedGaussian> in_order(std::span<const ProjectedPart> parts, const SplatView& view) {
+/// Arrays of a picture. The next picture reuses them, because the system clears the pages of new ones.
+struct GaussianArrays {
+  std::vector<ProjectedPart> parts;
+  std::vector<GaussianKey> keys, moved_keys;
+  std::vector<PlacedGaussian> ordered;
+  std::vector<std::uint32_t> counts;  // entries of each region, for each range of splats
+  std::vector<ListedGaussian> listed;
+
+  [[nodiscard]] std::size_t bytes() const {
+    std::size_t sum = capacity_bytes(keys) + capacity_bytes(moved_keys) + capacity_bytes(ordered) +
+                      capacity_bytes(counts) + capacity_bytes(listed);
+    for (const ProjectedPart& part : parts) sum += part.bytes();
+    return sum;
+  }
+};
+
+/// Arrays of the last picture, unless they are large. Any thread.
+class KeptArrays {
+ public:
+  [[nodiscard]] std::unique_ptr<GaussianArrays> take() {
+    const std::lock_guard lock(mutex_);
+    return kept_ ? std::move(kept_) : std::make_unique<GaussianArrays>();
+  }
+  void give_back(std::unique_ptr<GaussianArrays> arrays) {
+    if (arrays->bytes() > kMostKeptBytes) return;
+    const std::lock_guard lock(mutex_);
+    kept_ = std::move(arrays);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::unique_ptr<GaussianArrays> kept_;
+};
+
+/// Orders the splats by ascending distance from the eye; equal ones keep their order.
+void put_in_order(GaussianArrays& arrays, const SplatView& view) {
+  const std::span<const ProjectedPart> parts = arrays.parts;
+  std::vector<GaussianKey>& keys = arrays.keys;
+  std::vector<PlacedGaussian>& ordered = arrays.ordered;
   std::vector<std::size_t> starts;
   std::size_t count = 0;
   for (const ProjectedPart& part : parts) {
     starts.push_back(count);
     count += part.places.size();
   }
-  std::vector<GaussianKey> keys(count);
+  keys.resize(count);
   parallel_for(
       parts.size(),
       [&](std::size_t p) {
@@ -106,8 +167,8 @@ std::vector<PlacedGaussian> in_order(std::span<const ProjectedPart> parts, const
           *to++ = {std::bit_cast<std::uint32_t>(distance + 0.0f), index++};
       },
       view.threads);
-  sort_gaussians(keys, view.threads);
-  std::vector<PlacedGaussian> ordered(count);
+  sort_gaussians(keys, arrays.moved_keys, view.threads);
+  ordered.resize(count);
   parallel_for((count + kListedRange - 1) / kListedRange,
                [&](std::size_t t) {
                  const std::size_t last = std::min(count, (t + 1) * kListedRange);
@@ -120,14 +181,7 @@ std::vector<PlacedGaussian> in_order(std::span<const ProjectedPart> parts, const
                  }
                },
                view.threads);
-  return ordered;
 }
-
-/// Splat in the list of a region.
-struct ListedGaussian {
-  std::uint32_t index;                    // as in PlacedGaussian
-  std::uint8_t left, right, bottom, top;  // tiles of the region that it touches, inclusive
-};
 
 /// Sets the least depths of all splats.
 void set_least_depths(std::span<ProjectedPart> parts, std::span<const PlacedGaussian> ordered) {
@@ -148,15 +202,16 @@ struct GaussianRegion {
 /// Draws ordered splats: gives regions lists of their splats in batches, from near to far, and blends them.
 class GaussianPainter {
  public:
-  GaussianPainter(std::span<const ProjectedPart> parts, std::span<const PlacedGaussian> ordered, const SplatView& view,
-                  const VolumeStops& stops)
-      : parts_(parts),
-        ordered_(ordered),
+  GaussianPainter(GaussianArrays& arrays, const SplatView& view, const VolumeStops& stops)
+      : parts_(arrays.parts),
+        ordered_(arrays.ordered),
+        counts_(arrays.counts),
+        listed_(arrays.listed),
         view_(view),
         stops_(stops),
         columns_((view.width + kRegion - 1) / kRegion),
         regions_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>((view.height + kRegion - 1) / kRegion)),
-        ranges_((ordered.size() + kListedRange - 1) / kListedRange) {}
+        ranges_((ordered_.size() + kListedRange - 1) / kListedRange) {}
 
   VolumeLayer paint() {
     VolumeLayer layer;
@@ -250,7 +305,7 @@ class GaussianPainter {
       }
     }
     begins[regions_] = next;
-    const auto listed = std::make_unique_for_overwrite<ListedGaussian[]>(entries);
+    listed_.resize(entries);
     for_ranges(first, last, [&](std::size_t from, std::size_t to, const std::uint32_t*) {
       std::uint32_t* const own = places.data() + (from / kListedRange - first) * regions_;
       for (std::size_t i = from; i < to; ++i) {
@@ -258,7 +313,7 @@ class GaussianPainter {
         for_regions(place.tiles, [&](std::size_t region, int row, int column) {
           const auto [left, right] = inside(column, place.tiles.left, place.tiles.right);
           const auto [bottom, top] = inside(row, place.tiles.bottom, place.tiles.top);
-          listed[own[region]++] = {place.index, left, right, bottom, top};
+          listed_[own[region]++] = {place.index, left, right, bottom, top};
         });
       }
     });
@@ -271,7 +326,7 @@ class GaussianPainter {
         regions_,
         [&](std::size_t i) {
           const std::size_t region = sequence[i];
-          const std::span<const ListedGaussian> list(listed.get() + begins[region],
+          const std::span<const ListedGaussian> list(listed_.data() + begins[region],
                                                      begins[region + 1] - begins[region]);
           std::unique_ptr<GaussianRegion>& kept = states_[region];
           if (!kept && list.empty()) return;
@@ -375,11 +430,12 @@ class GaussianPainter {
 
   std::span<const ProjectedPart> parts_;
   std::span<const PlacedGaussian> ordered_;
+  std::vector<std::uint32_t>& counts_;
+  std::vector<ListedGaussian>& listed_;
   const SplatView& view_;
   const VolumeStops& stops_;
   int columns_;
-  std::size_t regions_, ranges_;       // ranges of kListedRange splats
-  std::vector<std::uint32_t> counts_;  // entries of each region, for each range
+  std::size_t regions_, ranges_;  // ranges of kListedRange splats
   std::vector<std::unique_ptr<GaussianRegion>> states_;
 };
 
@@ -387,11 +443,17 @@ class GaussianPainter {
 
 VolumeLayer rasterize_gaussians(std::span<const GaussianItem> items, const SplatView& view, const VolumeStops& stops) {
   if (view.width <= 0 || view.height <= 0) return {};
-  std::vector<ProjectedPart> parts = project_all(items, view);
-  const std::vector<PlacedGaussian> ordered = in_order(parts, view);
-  if (ordered.empty()) return {};
-  if (!stops.near.empty()) set_least_depths(parts, ordered);
-  return GaussianPainter(parts, ordered, view, stops).paint();
+  static KeptArrays kept;
+  std::unique_ptr<GaussianArrays> arrays = kept.take();
+  project_all(items, view, arrays->parts);
+  put_in_order(*arrays, view);
+  VolumeLayer layer;
+  if (!arrays->ordered.empty()) {
+    if (!stops.near.empty()) set_least_depths(arrays->parts, arrays->ordered);
+    layer = GaussianPainter(*arrays, view, stops).paint();
+  }
+  kept.give_back(std::move(arrays));
+  return layer;
 }
 
 }  // namespace gs::render

@@ -18,9 +18,8 @@ TEST_CASE("calls each index once, also in loops inside of loops and from several
     callers.emplace_back([&] {
       for (int round = 0; round < 50; ++round) {
         std::vector<std::atomic<int>> calls(40);
-        parallel_for(8, [&](std::size_t outer) {
-          parallel_for(5, [&](std::size_t inner) { ++calls[outer * 5 + inner]; });
-        });
+        parallel_for(
+            8, [&](std::size_t outer) { parallel_for(5, [&](std::size_t inner) { ++calls[outer * 5 + inner]; }); });
         for (const auto& count : calls)
           if (count != 1) ++wrong;
       }

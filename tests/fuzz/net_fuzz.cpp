@@ -3,7 +3,7 @@
 #include "net/base/url.h"
 #include "net/cells/cell_framing.h"
 #include "net/http/cache_entry.h"
-#include "net/load/transport.h"
+#include "net/transfer/transport.h"
 #include "net/serve/access_log.h"
 #include "net/serve/http_range.h"
 #include "tests/fuzz/net_targets.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "net/load/transport.h"
+#include "net/transfer/transport.h"
 #include "net/serve/http_site.h"
 #include "tests/simulation/random.h"
 #include "tests/simulation/trace.h"

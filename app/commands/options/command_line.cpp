@@ -2,6 +2,7 @@
 
 #include "app/base/confinement.h"
 #include "app/base/console.h"
+#include "app/base/environment.h"
 #include "app/base/temporary_file.h"
 #include "app/commands/common/shared.h"
 #include "app/commands/open.h"
@@ -282,6 +283,7 @@ int run_command_line(int count, char** arguments) {
   prepare_console();
   // Without the signal, writing beyond the file size limit fails like writing to a full disk.
   std::signal(SIGXFSZ, SIG_IGN);
+  spare_full_disk();
   std::set_terminate(end_at_exception);
   // A process that is confined itself runs Scripts without a child that it could kill. If one hangs, the process ends.
   ScriptRunner::on_overdue([](const std::string& message) {

@@ -135,6 +135,7 @@ inline void write_component(TransferWriter& to, const VoxelComponent& component)
   to.value<std::uint8_t>(component.channel.has_value());
   to.value<std::uint64_t>(component.channel.value_or(0));
   to.value(choice_code(component.globe));
+  to.value<std::uint8_t>(component.served);
   to.value<std::uint8_t>(component.by_view);
   to.value<std::uint8_t>(component.step ? (component.step->time ? 2 : 1) : 0);
   to.value<std::uint32_t>(component.step ? component.step->number : 0);
@@ -159,6 +160,7 @@ inline VoxelComponent read_component(TransferReader& from) {
   const auto channel = from.value<std::uint64_t>();
   if (has_channel) component.channel = channel;
   component.globe = read_choice(from);
+  component.served = from.truth();
   component.by_view = from.truth();
   const auto step = from.value<std::uint8_t>();
   const auto number = from.value<std::uint32_t>();

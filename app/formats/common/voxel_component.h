@@ -45,7 +45,7 @@ struct VoxelComponent {
   bool magnitude = false;                // the length of the vector of all components instead
   std::optional<qnv::ShownStep> step{};  // of a time series; nullopt means all for encoders, else the first
   std::optional<bool> labels{};          // the numbers are labels of a segmentation; nullopt means as the file states
-  std::string folder{};                  // local folder with all files of a scan; empty means a single file
+  std::string folder{};                  // folder or URL with all files of a scan; empty means a single file
   std::string dataset{};                 // of a file that has several; empty means the largest one
   std::optional<std::uint64_t> channel{};  // index on the axes that are neither space nor time nor components
   std::optional<bool> globe{};  // longitudes and latitudes on a sphere; nullopt: only meshes of the whole globe
@@ -53,6 +53,7 @@ struct VoxelComponent {
   FlowForm flow = FlowForm::values;  // of volumes with two or three components
   SurfaceColors colors{};
   std::shared_ptr<DatasetList> found{};  // readers write the datasets of the file here; null if they are not needed
+  bool served = false;   // the file is on a server
   bool by_view = false;  // views read parts of large arrays, so the finest level of an image is the default
   friend bool operator==(const VoxelComponent&, const VoxelComponent&) = default;
 };

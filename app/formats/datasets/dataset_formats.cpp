@@ -23,7 +23,7 @@ VolumeFile volume_file(const ImportSource& source) {
                   source.component,
                   source.read_files ? source.read_files : files_beside(source.path, {}),
                   source.read_files ? source.list_folder : lister_beside(source.path)};
-  if (!file.component.folder.empty()) file.read_beside = folder_reader(file.component.folder);
+  if (!file.component.folder.empty() && !file.component.served) file.read_beside = folder_reader(file.component.folder);
   return file;
 }
 

@@ -103,6 +103,7 @@ std::string entry_of_folder(const std::string& path) {
 }
 
 void use_folder(const std::string& path, VolumeOrigin& origin) {
+  if (origin.component.served) return;
   if (!entry_of_folder(path).empty()) origin.component.folder = path;
   if (!origin.component.folder.empty()) origin.read_beside = folder_reader(origin.component.folder);
 }

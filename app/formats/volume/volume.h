@@ -32,7 +32,7 @@ struct VolumeOrigin {
 /// Returns the file that stands for a local folder of a scan (DICOM): the first one that is a volume. Returns an empty
 /// text for other folders and for files.
 [[nodiscard]] std::string entry_of_folder(const std::string& path);
-/// If `path` is such a folder, or VoxelComponent::folder states one, `origin` reads the files of that folder.
+/// If `path` is such a folder, or VoxelComponent::folder states a local one, `origin` reads the files of that folder.
 void use_folder(const std::string& path, VolumeOrigin& origin);
 
 /// Opens a volume. `path` may be a folder with an entry (entry_of_folder). Detects the format by the first bytes, else

@@ -14,7 +14,7 @@
 typedef struct example {
   int size, steps, every, serve, port, pause_ms, background, thin, rank, ranks;
   double share, error;
-  const char *folder, *token_file;
+  const char *folder, *token_file, *live_file;
   gs_insitu* session;
 #ifdef EXAMPLE_MPI
   gs_insitu_mpi* mpi;
@@ -61,9 +61,12 @@ static example example_begin(int argc, char** argv, int size) {
       e.folder = value, ++i;
     else if (!strcmp(argv[i], "--token-file"))
       e.token_file = value, ++i;
+    else if (!strcmp(argv[i], "--live-file"))
+      e.live_file = value, ++i;
     else {
       fprintf(stderr,
               "usage: %s [--size N] [--steps N] [--every N] [--folder DIR] [--serve] [--port N] [--token-file FILE]\n"
+              "       [--live-file FILE]\n"
               "       [--share PART] [--error E] [--background] [--thin] [--pause MILLISECONDS]\n",
               argv[0]);
       exit(2);
@@ -95,6 +98,7 @@ static void example_open(example* e, const char* title) {
   options.serve = e->serve;
   options.port = e->port;
   options.token_file = e->token_file;
+  options.live_file = e->live_file;
   options.every = e->every;
   options.max_share = e->share;
   options.error = e->error;

@@ -75,6 +75,8 @@ void GeometryHandler::read_parts(const std::shared_ptr<PartialFile>& file, std::
   if (!has_more()) warn_of_trouble();
 }
 
+bool GeometryHandler::lacks_parts() const { return parts_ && !parts_->trouble().empty(); }
+
 void GeometryHandler::warn_of_trouble() {
   std::string trouble = parts_ ? parts_->trouble() : std::string();
   if (trouble.empty() && array_trouble_) trouble = array_trouble_();
@@ -93,6 +95,9 @@ void GeometryHandler::read_whole(std::span<const std::byte> bytes, const std::st
   file.local = found_.local;
   file.to_draw = !loading_.options.whole_surfaces;
   file.origin = {loading_.fetcher.reader_of(found_.origin), file_name_of(found_), loading_.options.component};
+  if (!found_.local && loading_.listed && !is_node())
+    file.origin.read_beside = loading_.fetcher.reader_of_listed(loading_.listed, found_.origin);
+  file.origin.component.served = !found_.local;
   if (!notes_datasets_) file.origin.component.found.reset();
   // The mesh of a flow needs all components.
   if (show_mesh_ && file.origin.component.flow != FlowForm::values)
@@ -108,7 +113,7 @@ void GeometryHandler::read_whole(std::span<const std::byte> bytes, const std::st
   file.origin.read_files = by_view && type.content == ContentClass::volume
                                ? loading_.fetcher.files_for_views(found_.origin)
                                : loading_.fetcher.files_of(found_.origin);
-  if (found_.local) file.origin.list_folder = lister_beside(path);
+  file.origin.list_folder = found_.local ? lister_beside(path) : loading_.fetcher.lister_of(found_.origin, by_view);
   if (parts_) file.origin.need = [parts = parts_](std::span<const ByteSpan> wanted) { return parts->need(wanted); };
   if (type.content == ContentClass::volume) return read_volume(type, file);
   if (by_view && type.read == read_splats_sog_levels && start_splat_levels(type, bytes)) return;
@@ -145,13 +150,15 @@ void GeometryHandler::read_volume(const ContentType& type, const GeometryFile& f
   Diagnostics diagnostics;
   auto source = open_volume_source(type, file, diagnostics, loading_.budget);
   const bool is_array = source && file.origin.component.by_view && start_array(*source);
-  if (source && file.origin.component.by_view && !is_array) {
+  if (source && file.origin.component.by_view && !is_array && is_large(*source)) {
     // Read as a whole, the finest level of an image may be too large.
     GeometryFile whole = file;
     whole.origin.component.by_view = false;
     if (!source->coarser.empty()) source = open_volume_source(type, whole, diagnostics, loading_.budget);
   }
   for (Diagnostic one : diagnostics.entries()) {
+    // Users cannot choose the datasets of nodes.
+    if (one.severity == Severity::note && is_node()) continue;
     if (one.file == file.path) one.file = found_.path;  // not that of a temporary file
     loading_.results.diagnostics().add(std::move(one));
   }
@@ -186,11 +193,15 @@ void GeometryHandler::read_more() {
     (void)show_next_version();
 }
 
-bool GeometryHandler::start_array(qnv::VolumeSource& source) {
+bool GeometryHandler::is_large(const qnv::VolumeSource& source) const {
   // Smaller volumes are quickly read as a whole. Those in containers on servers take a request per chunk.
   constexpr std::uint64_t kLocalVoxels = std::uint64_t{1} << 28, kServedVoxels = std::uint64_t{1} << 24;
+  return qnv::voxel_count(source.layout) >= (found_.local ? kLocalVoxels : kServedVoxels);
+}
+
+bool GeometryHandler::start_array(qnv::VolumeSource& source) {
   constexpr std::uint64_t kFirstVoxels = std::uint64_t{1} << 20;
-  if (qnv::voxel_count(source.layout) < (found_.local ? kLocalVoxels : kServedVoxels)) return false;
+  if (!is_large(source)) return false;
   array_trouble_ = source.trouble;
   // Drawing has the time limit of loading, too, and needs some of it itself.
   constexpr double kPartOfLimit = 0.6;

@@ -57,6 +57,8 @@ class GeometryHandler final : public ResourceHandler {
   bool take_parts(const PartsOffer& offer) override;
   /// Reads a volume by parts. `front` has the first bytes of `file`.
   void read_parts(const std::shared_ptr<PartialFile>& file, std::span<const std::byte> front);
+  /// Returns true if parts of the file could not be received or kept.
+  [[nodiscard]] bool lacks_parts() const;
   std::shared_ptr<StreamFeed> feed() override { return way_ == Way::done ? nullptr : feed_; }
 
  private:
@@ -78,6 +80,8 @@ class GeometryHandler final : public ResourceHandler {
   void read_volume(const ContentType& type, const GeometryFile& file);
   /// Shows the vectors of a volume as a mesh. Returns false if no mesh was requested, or on failure.
   bool show_flow(const qnv::VolumeSource& source, const VoxelComponent& choice);
+  /// Reports whether a volume has too many voxels to be read as a whole at once.
+  [[nodiscard]] bool is_large(const qnv::VolumeSource& source) const;
   /// Shows a volume in bricks that views read. Returns false if it is shown as a whole.
   bool start_array(qnv::VolumeSource& source);
   [[nodiscard]] OverviewCache overviews() const;
@@ -95,7 +99,7 @@ class GeometryHandler final : public ResourceHandler {
 
   Show show_;
   bool notes_datasets_ = false;
-  ShowMesh show_mesh_;  // null if vectors are shown as volumes only
+  ShowMesh show_mesh_;                             // null if vectors are shown as volumes only
   std::function<ResourceUpdates::Place()> place_;  // null if all versions come before the end
   Progress progress_;
   Way way_ = Way::unknown;
@@ -108,13 +112,13 @@ class GeometryHandler final : public ResourceHandler {
   bool shown_exact_ = false;  // the exact mesh in the tail of the stream is shown
   bool by_chunks_ = false;    // chunks were received in any order
   std::size_t damaged_chunks_ = 0;
-  std::shared_ptr<qnv::ArrayVolume> array_;       // volume of which the overview is not complete
-  std::chrono::milliseconds array_patience_{0};   // for the next part of the overview
-  std::shared_ptr<PartialFile> parts_;            // file of a server that is read by parts, or null
+  std::shared_ptr<qnv::ArrayVolume> array_;      // volume of which the overview is not complete
+  std::chrono::milliseconds array_patience_{0};  // for the next part of the overview
+  std::shared_ptr<PartialFile> parts_;           // file of a server that is read by parts, or null
   std::string told_trouble_;
-  std::string array_key_;                         // of its overview in the cache; empty if it is not kept
-  std::function<std::string()> array_trouble_;    // VolumeSource::trouble of that volume
-  std::deque<qnv::VolumeSource> versions_;  // of a volume, the coarsest first, that are not shown yet
+  std::string array_key_;                       // of its overview in the cache; empty if it is not kept
+  std::function<std::string()> array_trouble_;  // VolumeSource::trouble of that volume
+  std::deque<qnv::VolumeSource> versions_;      // of a volume, the coarsest first, that are not shown yet
 };
 
 }  // namespace gs::app

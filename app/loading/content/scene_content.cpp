@@ -152,17 +152,29 @@ class VectorContent final : public SceneContent {
     geometry_->end(std::nullopt);
     if (!node_ && !is_mesh_) target_.refuse();
   }
-  bool take_parts(const PartsOffer& offer) override { return geometry_->take_parts(offer); }
+  bool take_parts(const PartsOffer& offer) override {
+    const bool taken = geometry_->take_parts(offer);
+    note_missing_parts();
+    return taken;
+  }
   /// Reads a volume by parts. `front` has the first bytes of `file`.
   void read_parts(const std::shared_ptr<PartialFile>& file, std::span<const std::byte> front) {
     geometry_->read_parts(file, front);
+    note_missing_parts();
   }
   void receive_piece(const net::CellEvent& event) override { geometry_->receive_piece(event); }
   [[nodiscard]] bool has_more() const override { return node_ && geometry_->has_more(); }
-  void read_more() override { geometry_->read_more(); }
+  void read_more() override {
+    geometry_->read_more();
+    note_missing_parts();
+  }
   std::shared_ptr<StreamFeed> feed() override { return geometry_->feed(); }
 
  private:
+  // The exit status of commands tells that parts are missing.
+  void note_missing_parts() {
+    if (geometry_->lacks_parts()) target_.cut_short();
+  }
   void show(const std::shared_ptr<const qnv::Geometry>& geometry) {
     if (!node_) {
       const Found& found = target_.found();

@@ -2,6 +2,8 @@
 
 #include "app/formats/foreign_types.h"
 #include "app/loading/content/series_step.h"
+#include "app/loading/fetch/partial_file.h"
+#include "app/loading/listing/folder_choice.h"
 #include "app/loading/updates/missing_url.h"
 #include "vrml/scene/coordinates/units.h"
 
@@ -89,29 +91,70 @@ bool SceneHandler::choose_type(bool last) {
   type_ = content_type_by_mark(first);
   if (!type_) type_ = &content_type_of(found.local ? found.path : found.url.path, first);
   target_.set_type(*type_);
-  is_series_ = use_.role == Role::root && !is_step_ && is_file_series(first);
+  is_series_ =
+      use_.role == Role::root && !is_step_ && (is_file_series(first) || (!found.local && is_bucket_list(first)));
   return true;
 }
 
-// Reads the wanted step instead of the file if the file is a series in JSON without VTK files.
-bool SceneHandler::begin_step(std::span<const std::byte> series) {
-  if (use_.role != Role::root || is_step_ || cut) return false;
-  auto& wanted = context_.loading.options.component.step;
-  auto step = step_of_series(series, wanted);
-  if (!step) return false;
-  wanted.reset();  // the step itself may have steps
-  if (LoadedWorld* const world = context_.loading.results.world(); world && is_valid(step->steps))
-    world->steps = std::move(step->steps);
+// Reads a file of a folder instead of the list of the folder. Reports the reason if there is no such file.
+bool SceneHandler::begin_file_of_list(std::span<const std::byte> list) {
+  if (target_.found().local || !is_bucket_list(list)) return false;
+  Loading& loading = context_.loading;
   const Found& found = target_.found();
+  const auto refuse = [&](const std::string& why) {
+    loading.results.report(Severity::error, found.path, {}, why);
+    target_.refuse();
+    waiting_ = {};
+    is_series_ = false;
+    return true;
+  };
+  auto page = read_bucket_page(list, loading.budget);
+  if (const auto* const problem = std::get_if<std::string>(&page)) return refuse("the list of a bucket: " + *problem);
+  const auto folder = std::make_shared<const ListedFolder>(
+      loading.fetcher.listed_folder(found.url, std::get<BucketPage>(std::move(page)), found.origin));
+  if (!folder->trouble.empty()) loading.results.report(Severity::warning, found.path, {}, folder->trouble);
+  auto& wanted = loading.options.component.step;
+  auto chosen = choose_in_folder(folder->names, series_of_url(loading.results.path()), wanted);
+  if (const auto* const problem = std::get_if<std::string>(&chosen)) return refuse(*problem);
+  FolderChoice& choice = std::get<FolderChoice>(chosen);
+  if (is_valid(choice.steps)) {
+    wanted.reset();  // the step itself may have steps
+    if (LoadedWorld* const world = loading.results.world()) world->steps = std::move(choice.steps);
+  }
+  if (choice.is_scan) {
+    loading.options.component.folder = net::url_for_messages(found.url.text());
+    loading.listed = folder;
+  }
+  std::vector<net::Url> candidates;
+  for (const std::string& name : choice.files) candidates.push_back(folder->url_of(name));
+  read_instead(std::move(candidates));
+  return true;
+}
+
+// Makes the fetch of another file that is read instead of this one.
+void SceneHandler::read_instead(std::vector<net::Url> candidates) {
   step_ = std::make_unique<Fetch>();
-  step_->candidates = {net::resolve(found.url, net::parse_url(net::tidy_url(step->file)))};
-  step_->from = found.origin;
+  step_->candidates = std::move(candidates);
+  step_->from = target_.found().origin;
   step_->max_bytes = context_.loading.options.max_bytes;
   is_step_ = true;
   is_series_ = false;
   type_ = nullptr;
   waiting_ = {};
   waiting_share_.shrink_to(0);
+}
+
+// Reads the wanted step instead of the file if the file is a series in JSON without VTK files, or the list of a bucket.
+bool SceneHandler::begin_step(std::span<const std::byte> series) {
+  if (use_.role != Role::root || is_step_ || cut) return false;
+  if (begin_file_of_list(series)) return true;
+  auto& wanted = context_.loading.options.component.step;
+  auto step = step_of_series(series, wanted);
+  if (!step) return false;
+  wanted.reset();  // the step itself may have steps
+  if (LoadedWorld* const world = context_.loading.results.world(); world && is_valid(step->steps))
+    world->steps = std::move(step->steps);
+  read_instead({net::resolve(target_.found().url, net::parse_url(net::tidy_url(step->file)))});
   return true;
 }
 
@@ -148,6 +191,12 @@ void SceneHandler::end(const std::optional<std::string>& problem) {
     results.report(Severity::error, target_.found().path, {}, "has nothing to show");
   results.set_changed(true);
   finished_reading();
+}
+
+bool SceneHandler::take_parts(const PartsOffer& offer) {
+  if (!content_ || !content_->take_parts(offer)) return false;
+  parts_ = offer.received;
+  return true;
 }
 
 void SceneHandler::receive_piece(const net::CellEvent& event) {

@@ -7,7 +7,9 @@
 #include "app/loading/content/scene_references.h"
 #include "app/loading/content/scene_target.h"
 
+#include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -49,7 +51,7 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   void read_more() override;
   std::shared_ptr<StreamFeed> feed() override { return content_ ? content_->feed() : nullptr; }
   void leave_to_feed() override { finished_reading(); }
-  bool take_parts(const PartsOffer& offer) override { return content_ && content_->take_parts(offer); }
+  bool take_parts(const PartsOffer& offer) override;
 
   [[nodiscard]] const SceneUse& use() const { return use_; }
   [[nodiscard]] SceneTarget& target() { return target_; }
@@ -62,7 +64,10 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   [[nodiscard]] bool is_settled() const { return stage_ == Stage::settled; }
   /// Returns the nodes that are still being read.
   [[nodiscard]] std::vector<vrml::NodeId> open_nodes() const;
+  /// Returns the number of bytes of the file that were read or received.
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
+  /// Returns the counter of further bytes that are received by parts; null if the file is not read so.
+  [[nodiscard]] const std::shared_ptr<const std::atomic<std::uint64_t>>& parts() const { return parts_; }
   [[nodiscard]] double seconds() const { return seconds_; }
   /// Returns the unit of length of the text, in metres (X3D UNIT).
   [[nodiscard]] double length_unit() const { return length_unit_; }
@@ -77,6 +82,8 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
  private:
   bool choose_type(bool last);
   bool begin_step(std::span<const std::byte> series);
+  bool begin_file_of_list(std::span<const std::byte> list);
+  void read_instead(std::vector<net::Url> candidates);
   void read_rest(std::span<const std::byte> bytes);
   void finished_reading();
   void attach();
@@ -86,13 +93,14 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   SceneTarget target_;
   SceneReferences references_;
   ScenePrototypes prototypes_;
-  std::vector<std::byte> waiting_;  // bytes before the type is known, and bytes of a series in JSON
+  std::vector<std::byte> waiting_;  // bytes before the type is known, and those of a series or a list
   Share waiting_share_;
   const ContentType* type_ = nullptr;
-  bool is_series_ = false, is_step_ = false;  // the root is a series in JSON; a step of such a series
+  bool is_series_ = false, is_step_ = false;  // the root is a series in JSON or a list; a file of these
   std::unique_ptr<Fetch> step_;               // fetch of a step, until the series has ended
   std::unique_ptr<SceneContent> content_;     // null before the type is known and after the end
   std::size_t bytes_ = 0, errors_before_ = 0;
+  std::shared_ptr<const std::atomic<std::uint64_t>> parts_;
   double seconds_ = 0, length_unit_ = 1;
   enum class Stage : std::uint8_t {
     receiving,

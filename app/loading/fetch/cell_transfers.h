@@ -41,7 +41,7 @@ class CellTransfers {
 
   Loading& loading_;
   std::vector<std::shared_ptr<Cells>> cells_;
-  std::deque<Fetch*> waiting_;  // fetches that documents requested
+  std::deque<Fetch*> waiting_;                      // fetches that documents requested
   std::unordered_set<std::string> silent_servers_;  // servers that did not answer a request
   net::CellClientStatistics ended_;                 // statistics of finished streams
 };

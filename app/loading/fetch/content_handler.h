@@ -20,7 +20,7 @@ namespace gs::app {
 
 /// Location at which the bytes of a resource were found.
 struct Found {
-  net::Url url;  // URL after redirects, without the fragment
+  net::Url url;      // URL after redirects, without the fragment
   std::string path;  // path of a local file, else the URL; the file name in diagnostics
   std::string fragment;
   std::size_t candidate = 0;  // index of the URL among those of the reference

@@ -19,16 +19,16 @@ namespace gs::app {
 struct Fetch {
   std::vector<net::Url> candidates;  // URLs in the order of the attempts, with fragments
   std::size_t next = 0;
-  std::size_t optional = 0;  // number of first candidates that may fail without a message
+  std::size_t optional = 0;        // number of first candidates that may fail without a message
   std::vector<net::Url> together;  // all files to read at once, with the candidates; if empty, reads one by one
-  net::Origin from;  // origin of the text that contains the reference
-  std::string given_path;  // path of a file, spelled as by the user
+  net::Origin from;                // origin of the text that contains the reference
+  std::string given_path;          // path of a file, spelled as by the user
   int priority = 0;
-  bool refresh = false;  // asks the server even if the cache has the resource
+  bool refresh = false;              // asks the server even if the cache has the resource
   const vrml::Node* node = nullptr;  // node that refers to the resource; null for no node or several
   std::shared_ptr<ContentHandler> handler;
   std::uint64_t max_bytes = kNoLimit;  // maximum number of bytes; the others are omitted on purpose
-  bool cut = false;  // `max_bytes` has omitted bytes
+  bool cut = false;                    // `max_bytes` has omitted bytes
 
   // State of the current attempt.
   net::Validator validator;
@@ -37,22 +37,22 @@ struct Fetch {
   Part part = Part::all;
   net::RequestId request;
   std::string first_problem;
-  bool told = false;  // the diagnostics already have this problem, from another fetch
+  bool told = false;      // the diagnostics already have this problem, from another fetch
   std::string reference;  // reference as written in the text, for messages
   std::optional<net::MappedFile> file;
   std::vector<std::byte> data;  // bytes of a data: URL
   std::span<const std::byte> rest;
   enum class Stage : std::uint8_t {
-    seeking,  // no candidate has answered yet
+    seeking,    // no candidate has answered yet
     receiving,  // the handler gets bytes
-    refused,  // the handler has refused the resource
-    refining,  // the resource has ended, and the handler reads finer versions
+    refused,    // the handler has refused the resource
+    refining,   // the resource has ended, and the handler reads finer versions
   };
   Stage stage = Stage::seeking;
   std::uint64_t received = 0;
   std::optional<std::uint64_t> total;
   std::shared_ptr<std::atomic<std::uint64_t>> parts;  // received bytes of parts; null if the file is read in order
-  std::uint64_t row = 0;  // row number in the LoadLedger
+  std::uint64_t row = 0;                              // row number in the LoadLedger
 
   static constexpr std::uint64_t kNoLimit = ~std::uint64_t{0};
 };

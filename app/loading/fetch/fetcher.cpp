@@ -3,7 +3,7 @@
 #include "app/base/local_file.h"
 #include "app/loading/fetch/loading.h"
 #include "net/base/schemes.h"
-#include "net/load/transport.h"
+#include "net/transfer/transport.h"
 
 #include <algorithm>
 #include <utility>
@@ -378,8 +378,14 @@ void Fetcher::finish(Fetch& fetch, const std::optional<std::string>& problem) {
     refining_.push_back(&fetch);
     return;
   }
+  count_parts(fetch);
   loading_.ledger->end(fetch.row, problem ? LoadStage::failed : LoadStage::whole, problem.value_or(""));
   if (!problem) fetch.handler->tell_progress(1);
+}
+
+// Counts the received parts of a fetch that ends. Views that receive further parts are not counted.
+void Fetcher::count_parts(Fetch& fetch) {
+  if (fetch.parts) received_ += *std::exchange(fetch.parts, nullptr);
 }
 
 void Fetcher::refine_step() {
@@ -388,74 +394,9 @@ void Fetcher::refine_step() {
   if (fetch.handler->has_more()) return;
   refining_.pop_front();
   ended_.push_back(&fetch);
-  if (fetch.parts) received_ += *std::exchange(fetch.parts, nullptr);
+  count_parts(fetch);
   loading_.ledger->end(fetch.row, LoadStage::whole);
   fetch.handler->tell_progress(1);
-}
-
-ReadFile Fetcher::reader_of(const net::Origin& origin) {
-  return [this, origin](const std::string& name) -> BytesResult {
-    const net::Url url = net::resolve(net::parse_url(origin.url), net::parse_url(net::tidy_url(name)));
-    const auto refused = policy_.refuse(origin, url);
-    if (refused && !refused->folder.empty()) (void)loading_.results.refuse_folder(refused->folder, name);
-    if (refused) return name + ": " + refused->message;
-    if (url.scheme == "file") {
-      LocalFile local_file = open_local_file(url, policy_, origin);
-      if (!local_file.folder.empty()) (void)loading_.results.refuse_folder(local_file.folder, name);
-      if (!local_file.file) return local_file.problem;
-      return shared_bytes(std::move(*local_file.file));
-    }
-    if (url.scheme == "data") {
-      auto decoded = net::decode_data_url(url.text());
-      if (!decoded) return std::string("malformed data: URL");
-      return shared_bytes(std::move(decoded->bytes));
-    }
-    if (loading_.options.offline) return name + ": the network is disabled (--offline)";
-    return network_.read_now(url, origin);
-  };
-}
-
-ReadFiles Fetcher::files_of(const net::Origin& origin) {
-  return files_by(origin, [this, origin](std::span<const WantedPart> wanted) {
-    return network_.read_all_now(wanted, origin);
-  });
-}
-
-std::shared_ptr<ServedFiles> Fetcher::served_files() const {
-  return std::make_shared<ServedFiles>(network_.loader_options(), loading_.budget);
-}
-
-ReadFiles Fetcher::files_for_views(const net::Origin& origin) {
-  const std::shared_ptr<ServedFiles> served = ahead_ ? std::exchange(ahead_, nullptr) : served_files();
-  return files_by(origin, [served, origin](std::span<const WantedPart> wanted) { return served->read(wanted, origin); });
-}
-
-// Makes a function that reads files by `read`, as far as the policy allows. It does not refer to this object.
-ReadFiles Fetcher::files_by(const net::Origin& origin, ReadWanted read) const {
-  const auto cache = loading_.options.component.growing ? net::CacheUse::reload : net::Request{}.cache;
-  return [read = std::move(read), origin, policy = policy_, offline = loading_.options.offline, cache](
-             std::span<const FileRequest> requests) {
-    std::vector<FileResult> results(requests.size());
-    std::vector<WantedPart> wanted;
-    std::vector<std::size_t> places;
-    for (std::size_t i = 0; i < requests.size(); ++i) {
-      const net::Url url = net::resolve(net::parse_url(origin.url), net::parse_url(requests[i].reference));
-      if (url.scheme == "file") {
-        results[i] = read_local_part(url, policy, origin, requests[i]);
-      } else if (const auto refused = policy.refuse(origin, url)) {
-        results[i] = requests[i].reference + ": " + refused->message;
-      } else if (offline) {
-        results[i] = requests[i].reference + ": the network is disabled (--offline)";
-      } else {
-        wanted.push_back({url, requests[i].part, cache});
-        places.push_back(i);
-      }
-    }
-    if (wanted.empty()) return results;
-    std::vector<FileResult> received = read(wanted);
-    for (std::size_t i = 0; i < places.size(); ++i) results[places[i]] = std::move(received[i]);
-    return results;
-  };
 }
 
 }  // namespace gs::app

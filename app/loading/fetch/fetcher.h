@@ -4,6 +4,7 @@
 #include "app/base/read_files.h"
 #include "app/loading/fetch/cell_transfers.h"
 #include "app/loading/fetch/fetch.h"
+#include "app/loading/fetch/listed_folder.h"
 #include "app/loading/fetch/network_transfers.h"
 #include "app/loading/fetch/read_resources.h"
 #include "net/base/reference_policy.h"
@@ -25,10 +26,10 @@ struct Loading;
 
 /// Progress of reading a world.
 struct LoadingState {
-  std::uint64_t received = 0;  // received bytes of all files
+  std::uint64_t received = 0;          // received bytes of all files
   std::optional<std::uint64_t> total;  // size of all files in bytes; nullopt if unknown
-  std::size_t files = 0;  // number of files that are read or being read
-  std::size_t waiting = 0;  // number of files that are incomplete
+  std::size_t files = 0;               // number of files that are read or being read
+  std::size_t waiting = 0;             // number of files that are incomplete
   friend bool operator==(const LoadingState&, const LoadingState&) = default;
 };
 
@@ -53,6 +54,13 @@ class Fetcher {
   [[nodiscard]] ReadFiles files_of(const net::Origin& origin);
   /// Returns a function that reads several files for views, as long as they live and on any thread.
   [[nodiscard]] ReadFiles files_for_views(const net::Origin& origin);
+  /// Returns a function that lists folders in buckets for a text from `origin`. With `by_view`, views call it as they
+  /// call that of files_for_views(). Returns null for origins without buckets.
+  [[nodiscard]] ListFolder lister_of(const net::Origin& origin, bool by_view);
+  /// Completes the list of a bucket from its first page, which came from `url`.
+  [[nodiscard]] ListedFolder listed_folder(const net::Url& url, BucketPage first, const net::Origin& origin);
+  /// Returns a function that reads the files of a listed folder for a text from `origin`.
+  [[nodiscard]] ReadFile reader_of_listed(std::shared_ptr<const ListedFolder> folder, const net::Origin& origin);
   /// Returns a reader that receives files from servers for views.
   [[nodiscard]] std::shared_ptr<ServedFiles> served_files() const;
   /// Handles some received data, or waits for it for at most `wait`. Returns false if nothing is being read.
@@ -87,6 +95,7 @@ class Fetcher {
   bool begin_together(Fetch& fetch, const net::Url& url, Found& found);
   void local_step();
   void refine_step();
+  void count_parts(Fetch& fetch);
   void stop(const std::string& why);
   void drop_transfer(Fetch& fetch);
   void watch_change(const Fetch& fetch, const std::function<void()>& take);
@@ -95,7 +104,7 @@ class Fetcher {
   void follow_rate();
 
   Loading& loading_;
-  using ReadWanted = std::function<std::vector<FileResult>(std::span<const WantedPart> wanted)>;
+  [[nodiscard]] ReadWanted read_allowed(const net::Origin& origin, ReadWanted read) const;
   [[nodiscard]] ReadFiles files_by(const net::Origin& origin, ReadWanted read) const;
 
   net::ReferencePolicy policy_;
@@ -103,16 +112,16 @@ class Fetcher {
   NetworkTransfers network_;
   CellTransfers cells_;
   std::vector<std::unique_ptr<Fetch>> fetches_;  // incomplete fetches
-  std::deque<Fetch*> local_;  // fetches of local files, read here in order
-  std::deque<Fetch*> refining_;  // fetches with handlers that have more to read, in order
+  std::deque<Fetch*> local_;                     // fetches of local files, read here in order
+  std::deque<Fetch*> refining_;                  // fetches with handlers that have more to read, in order
   std::vector<Fetch*> ended_;
   std::size_t files_ = 0;
   std::uint64_t received_ = 0;
   enum class Phase : std::uint8_t {
     loading,
     too_many_files,  // too many references; the next step stops loading
-    done,  // complete until further urls are set
-    stopped,  // stopped before the end
+    done,            // complete until further urls are set
+    stopped,         // stopped before the end
   };
   Phase phase_ = Phase::loading;
 };

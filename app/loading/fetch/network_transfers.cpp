@@ -3,7 +3,7 @@
 #include "app/formats/volume/volume.h"
 #include "app/loading/fetch/loading.h"
 #include "app/loading/fetch/partial_file.h"
-#include "net/load/transport.h"
+#include "net/transfer/transport.h"
 
 #include <algorithm>
 #include <iterator>
@@ -210,10 +210,12 @@ bool NetworkTransfers::read_parts(Fetch& fetch) {
   const auto counter = std::make_shared<std::atomic<std::uint64_t>>(0);
   PartsOffer offer{{url, fetch.from, fetch.validator, *fetch.total}, loading_.fetcher.served_files(), counter};
   if (fetch.refresh) offer.place.cache = net::CacheUse::reload;
-  if (!fetch.handler->take_parts(offer)) return false;
-  loading_.fetcher.count_received(counter->exchange(0));
-  fetch.total.reset();
   fetch.parts = counter;
+  if (!fetch.handler->take_parts(offer)) {
+    fetch.parts.reset();
+    return false;
+  }
+  fetch.total.reset();
   loading_.fetcher.finish(fetch, std::nullopt);
   return true;
 }

@@ -78,8 +78,11 @@ void PartialFile::measure(std::size_t ranges, std::uint64_t bytes, std::chrono::
   const double seconds = std::chrono::duration<double>(time).count();
   if (bytes == 0 || seconds <= 0) return;
   bytes_per_second_ = std::max(bytes_per_second_, static_cast<double>(bytes) / seconds);
-  if (ranges > 1) return;
-  const double alone = std::max(seconds - static_cast<double>(bytes) / bytes_per_second_, 0.0);
+  // Few ranges tell little: the connections wait for the slowest of them.
+  const bool is_many = static_cast<double>(ranges) >= 2 * kConnections;
+  if (ranges > 1 && !is_many) return;
+  double alone = std::max(seconds - static_cast<double>(bytes) / bytes_per_second_, 0.0);
+  if (is_many) alone *= kConnections / static_cast<double>(ranges);
   seconds_ = seconds_ == 0 ? alone : (seconds_ + alone) / 2;
   const double gap = std::min(bytes_per_second_ * seconds_ / kConnections, static_cast<double>(kMostGap));
   gap_ = std::max(static_cast<std::uint64_t>(gap), kLeastGap);

@@ -47,6 +47,7 @@ std::vector<FileResult> read_resources(net::Loader& loader, std::span<const Want
     made.url = without_fragment(one.url);
     made.from = from;
     made.cache = one.cache;
+    made.max_bytes = one.max_bytes;
     made.ranges = std::move(ranges);
     made.priority = static_cast<int>(Urgency::world) * kUrgencyStep;
     request.id = loader.request(std::move(made));

@@ -23,14 +23,15 @@ struct WantedPart {
   net::Url url;
   std::optional<FilePart> part;
   net::CacheUse cache = net::Request{}.cache;
+  std::uint64_t max_bytes = net::Request{}.max_bytes;  // of the resource
 };
 
 /// Functions that read_resources() calls.
 struct ReadingHooks {
-  std::function<bool()> stopped;                      // returns true if it must end
-  std::function<void(net::LoadEvent)> other{};        // takes events of other requests; may be null
-  std::function<void()> wait;                         // waits for events of the loader
-  std::function<void(std::uint64_t bytes)> received{};  // counts received bytes; may be null
+  std::function<bool()> stopped;                                        // returns true if it must end
+  std::function<void(net::LoadEvent)> other{};                          // takes events of other requests; may be null
+  std::function<void()> wait;                                           // waits for events of the loader
+  std::function<void(std::uint64_t bytes)> received{};                  // counts received bytes; may be null
   std::function<void(std::size_t index, const net::LoadHead&)> head{};  // takes the head of each resource; may be null
 };
 

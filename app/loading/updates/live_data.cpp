@@ -1,5 +1,6 @@
 #include "app/loading/updates/live_data.h"
 
+#include "net/base/url.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <cstdint>
@@ -18,6 +19,13 @@ std::string live_data_of(const vrml::SceneGraph& scene) {
         return std::string(text.substr(kLiveMark.size()));
   }
   return {};
+}
+
+std::string live_address(const std::string& url) {
+  net::Url parsed = net::parse_url(url);
+  if (parsed.scheme != "ssh" || !parsed.path.ends_with(kLiveFileEnding)) return url;
+  parsed.path += '/';
+  return parsed.text();
 }
 
 }  // namespace gs::app

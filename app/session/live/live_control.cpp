@@ -1,5 +1,6 @@
 #include "app/session/live/live_control.h"
 
+#include "app/loading/updates/live_data.h"
 #include "net/base/url.h"
 #include "net/control/control_token.h"
 #include "net/files/file.h"
@@ -93,8 +94,8 @@ std::string LiveControl::active_url() const {
   const Panes& panes = viewports_.panes();
   const View* const view = panes.at(panes.active()).view();
   if (!view || step_.simulated || load_.offline || view->document->world.live.empty()) return {};
-  const net::Url base = net::parse_url(view->document->world.path);
-  if (base.scheme != "http" && base.scheme != "https") return {};
+  const net::Url base = net::parse_url(live_address(view->document->world.path));
+  if (base.scheme != "http" && base.scheme != "https" && base.scheme != "ssh") return {};
   const net::Url target = net::resolve(base, net::parse_url(view->document->world.live));
   // Accepts only resources on the server of the world.
   return target.scheme == base.scheme && target.authority == base.authority ? target.text() : std::string();

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/loading/fetch/load_options.h"
-#include "app/session/live/small_request.h"
+#include "app/loading/fetch/small_request.h"
 #include "app/session/viewports/session_viewports.h"
 #include "app/session/viewports/step.h"
 #include "base/noncopyable.h"

@@ -1,6 +1,7 @@
 #include "app/session/opening/document_readers.h"
 
 #include "app/formats/common/dataset_list.h"
+#include "net/base/url.h"
 #include "net/base/url_signature.h"
 #include "render/scene/late_meshes.h"
 
@@ -22,6 +23,17 @@ std::string problem_text(const Diagnostic& diagnostic, const std::string& path) 
 }
 
 }  // namespace
+
+std::shared_ptr<EarlyReader> read_early(const std::string& path, const LoadOptions& load, std::function<void()> wake) {
+  const net::Url url = net::parse_url(path);
+  if (load.follow || url.scheme.empty() || url.scheme == "file" || url.has_fragment || file_of_view(path) != path)
+    return nullptr;
+  LoadOptions options = load;
+  options.component.found = std::make_shared<DatasetList>();
+  auto early = std::make_shared<EarlyReader>(EarlyReader{path, options.component, options.limits.memory, nullptr});
+  early->reader = std::make_shared<WorldReader>(path, std::move(options), std::move(wake));
+  return early;
+}
 
 DocumentReaders::DocumentReaders(StepContext& step, SessionViewports& viewports, const LoadOptions& load,
                                  ReaderPeers peers, std::function<void()> wake,
@@ -59,9 +71,29 @@ void DocumentReaders::begin() {
       load.component.step = qnv::ShownStep{0, kNewestStep};
     else if (const auto step = peers_.series.step_of(file_of_view(reading->path)))
       load.component.step = qnv::ShownStep{static_cast<std::uint32_t>(*step), std::nullopt};
+    if (use_early(*reading, load)) continue;
     auto reader = std::make_shared<WorldReader>(peers_.series.file_of(file_of_view(reading->path)), load, wake_);
     readers_.push_back({std::move(*reading), std::move(reader), load.component, {}});
   }
+}
+
+// Uses the early reader for a reading with the options `load`. Otherwise ends it, because its file may be wanted later
+// with other options.
+bool DocumentReaders::use_early(DocumentList::Reading& reading, const LoadOptions& load) {
+  const auto given = std::exchange(early_, nullptr);
+  if (!given || !given->reader) return false;
+  EarlyReader early = std::exchange(*given, {});
+  VoxelComponent wanted = load.component;
+  wanted.found = early.data.found;
+  if (early.path != peers_.series.file_of(file_of_view(reading.path)) || !(wanted == early.data) ||
+      early.memory != load.limits.memory) {
+    early.reader->cancel();
+    early.reader->retire();
+    retired_.push_back(std::move(early.reader));
+    return false;
+  }
+  readers_.push_back({std::move(reading), std::move(early.reader), std::move(early.data), {}});
+  return true;
 }
 
 bool DocumentReaders::take_news() {

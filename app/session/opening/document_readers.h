@@ -34,6 +34,18 @@ struct ReaderPeers {
   Follower& follower;
 };
 
+/// Reader of a file that was started before the session, while a window opens.
+struct EarlyReader {
+  std::string path;
+  VoxelComponent data;                  // options with which the file is read
+  std::size_t memory = 0;               // limit with which the file is read, in bytes
+  std::shared_ptr<WorldReader> reader;  // null after it was used
+};
+/// Starts reading a file for the first viewport of a session with the options `load`. The reader calls `wake`, which
+/// must be thread-safe. Returns null for local files, for URLs with a fragment, and for files that are followed.
+[[nodiscard]] std::shared_ptr<EarlyReader> read_early(const std::string& path, const LoadOptions& load,
+                                                      std::function<void()> wake);
+
 /// Reader threads for the files that viewports show or wait for. One thread.
 class DocumentReaders : NonCopyable {
  public:
@@ -44,6 +56,8 @@ class DocumentReaders : NonCopyable {
   /// Cancels all readings and waits for their threads.
   ~DocumentReaders();
 
+  /// Uses a reader that has started for the first reading of its file, if its options are those of the session then.
+  void use(std::shared_ptr<EarlyReader> early) { early_ = std::move(early); }
   /// Starts readers for files that viewports wait for.
   void begin();
   /// Applies the news of all readers. Returns true if a picture or the progress changed.
@@ -61,7 +75,7 @@ class DocumentReaders : NonCopyable {
   [[nodiscard]] std::vector<LoadingState> progress_of(const std::string& path) const;
   /// Load ledger of a world that is open or being read.
   struct Loads {
-    std::string path;  // path or URL of the world
+    std::string path;                    // path or URL of the world
     std::shared_ptr<Document> document;  // null until the file is read
     std::shared_ptr<LoadLedger> ledger;
   };
@@ -77,6 +91,7 @@ class DocumentReaders : NonCopyable {
     LoadingState state;
   };
 
+  [[nodiscard]] bool use_early(DocumentList::Reading& reading, const LoadOptions& load);
   bool take_document(const Reader& from, WorldReader::News& news);
   bool apply_updates(Document& document, const std::string& path, WorldReader::News news);
   void note_empty(const Document& document, const std::string& path);
@@ -88,6 +103,7 @@ class DocumentReaders : NonCopyable {
   ReaderPeers peers_;
   std::function<void()> wake_;
   std::shared_ptr<render::MeshWorker> meshes_;  // null in simulated time, where meshes are made at once
+  std::shared_ptr<EarlyReader> early_;
   std::vector<Reader> readers_;
   std::vector<std::shared_ptr<WorldReader>> retired_;  // readers that are no longer needed and are ending their threads
   std::vector<Loads> failed_loads_;

@@ -1,7 +1,8 @@
 #include "app/session/opening/follower.h"
 
 #include "app/base/numbered_files.h"
-#include "app/session/live/small_request.h"
+#include "app/loading/fetch/small_request.h"
+#include "app/loading/updates/live_data.h"
 #include "net/base/url.h"
 
 #include <sys/stat.h>
@@ -51,7 +52,7 @@ std::string folder_text(const std::string& path, const std::atomic<bool>& stop) 
 /// Requests the first byte of a URL, and returns the validators of the answer.
 std::string server_text(const std::string& url, const LoadOptions& load, const std::atomic<bool>& stop) {
   net::Request request;
-  request.url = url;
+  request.url = live_address(url);
   request.ranges = {{0, 1}};
   return small_request(std::move(request), true, load, stop).version;
 }
@@ -102,7 +103,8 @@ bool Follower::is_live(const std::string& path) const {
 }
 
 double Follower::least_wait(const std::string& path) const {
-  return is_on_server(path) && !is_live(path) ? kLeastWaitForServers : kLeastWait;
+  if (is_live(path)) return kLeastWaitForLive;
+  return is_on_server(path) ? kLeastWaitForServers : kLeastWait;
 }
 
 double Follower::most_wait(const std::string& path) const {

@@ -20,9 +20,10 @@ struct HarmonicModels {
   std::array<std::array<TypicalSize, 3>, 15> sizes;           // by coefficient and component
 };
 
-/// Codes the coefficients of a leaf, as luma and two differences each. With a Reader, `codes` is the result.
+/// Codes the coefficients of a Gaussian, as luma and two differences each. With a Reader, `codes` is the result.
+/// Returns false if all are 0.
 template <class Coder>
-void code_harmonics(Coder& coder, HarmonicModels& models, int degree,
+bool code_harmonics(Coder& coder, HarmonicModels& models, int degree,
                     std::array<std::array<int, 3>, harmonic_count(Gaussians::kMaxDegree)>& codes) {
   const std::size_t count = harmonic_count(degree);
   bool any = false;
@@ -38,14 +39,15 @@ void code_harmonics(Coder& coder, HarmonicModels& models, int degree,
       codes[i][k] = std::clamp(value, -kMostColor, kMostColor);
       size.learn(codes[i][k]);
     }
+  return any;
 }
 
-/// Returns the step of the coefficients of a leaf.
-[[nodiscard]] inline double harmonic_step(const SplatNode& leaf, const Precision& precision) {
+/// Returns the step of the coefficients of a Gaussian.
+[[nodiscard]] inline double harmonic_step(const SplatNode& node, const Precision& precision) {
   SplatCode code;
-  code.leaf = true;
-  for (std::size_t k = 0; k < 3; ++k) code.scales[k] = leaf.scales[k];
-  code.opacity = leaf.opacity;
+  code.leaf = node.leaf;
+  for (std::size_t k = 0; k < 3; ++k) code.scales[k] = node.scales[k];
+  code.opacity = node.opacity;
   return kHarmonicStep * steps_of(code, precision).color;
 }
 

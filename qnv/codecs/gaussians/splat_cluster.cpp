@@ -56,18 +56,22 @@ std::optional<PackedHarmonics> parse_harmonics(std::span<const std::byte> payloa
 }
 
 std::optional<std::vector<SplatNode>> decode_nodes(std::span<const std::byte> bytes, std::span<const SplatNode> parents,
-                                                   bool may_stay, SplatModels& models, const Precision& precision) {
+                                                   bool may_stay, SplatModels& models, const Precision& precision,
+                                                   std::vector<NodeOrigin>* origins) {
   BinaryDecoder decoder(bytes);
   Reader reader{decoder};
   std::vector<SplatNode> nodes;
   std::vector<SplatCode> codes;
-  for (const SplatNode& parent : parents) {
+  for (std::size_t i = 0; i < parents.size(); ++i) {
+    const SplatNode& parent = parents[i];
     if (parent.leaf) continue;
     codes.clear();
     codes.emplace_back();
     code_children(reader, models, parent, may_stay, codes, precision);
     if (decoder.exhausted() || nodes.size() + codes.size() > kMostNodes) return std::nullopt;
-    if (may_stay && codes.size() == 1)
+    const bool unchanged = may_stay && codes.size() == 1;
+    if (origins) origins->resize(nodes.size() + codes.size(), {static_cast<std::uint16_t>(i), unchanged});
+    if (unchanged)
       nodes.push_back(parent);
     else
       for (const SplatCode& code : codes) nodes.push_back(node_of(parent, code, precision));

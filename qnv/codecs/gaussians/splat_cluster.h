@@ -37,7 +37,8 @@ struct PackedCluster {
 /// Parses a payload. Returns nullopt if its head is invalid. Safe for untrusted bytes.
 [[nodiscard]] std::optional<PackedCluster> parse_cluster(std::span<const std::byte> payload);
 
-/// Harmonics of leaves `first` to `first + count` - 1 of a cluster, as the payload of a chunk.
+/// Harmonics of leaves `first` to `first + count` - 1 of a cluster, as the payload of a chunk. Coarse harmonics are
+/// those of the Gaussians that are neither leaves nor unchanged.
 struct HarmonicsHead {
   std::uint32_t cluster = 0, first = 0, count = 0;
 };
@@ -48,12 +49,20 @@ struct PackedHarmonics {
 [[nodiscard]] std::vector<std::byte> pack(const HarmonicsHead& head, std::span<const std::byte> bytes);
 [[nodiscard]] std::optional<PackedHarmonics> parse_harmonics(std::span<const std::byte> payload);
 
+/// Relation of a decoded Gaussian to those that its cluster replaces.
+struct NodeOrigin {
+  std::uint16_t parent = 0;  // index among them
+  bool unchanged = false;    // it is its parent
+};
+
 /// Decodes the children of `parents`, of which leaves have none. The parent of the first cluster is root_node(), which
 /// is always replaced (`may_stay` is false). `models` are those at the end of their cluster, and
-/// become those at the end of this one. Returns nullopt if the bytes end early, or if there are too many Gaussians.
+/// become those at the end of this one. `origins` gets one entry per Gaussian. Returns nullopt if the bytes end early,
+/// or if there are too many Gaussians.
 [[nodiscard]] std::optional<std::vector<SplatNode>> decode_nodes(std::span<const std::byte> bytes,
                                                                  std::span<const SplatNode> parents, bool may_stay,
-                                                                 SplatModels& models, const Precision& precision);
+                                                                 SplatModels& models, const Precision& precision,
+                                                                 std::vector<NodeOrigin>* origins = nullptr);
 
 /// Returns the Gaussian that the first cluster replaces. It fills the box.
 [[nodiscard]] SplatNode root_node(const Box& box);

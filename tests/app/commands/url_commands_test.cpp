@@ -3,6 +3,7 @@
 #include "tests/app/run_program.h"
 #include "tests/app/scratch_folder.h"
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <variant>
@@ -74,6 +75,25 @@ TEST_CASE("info, encode and export read meshes of a server, and the files that t
   CHECK_THAT(missing.output, Catch::Contains("404"));
   CHECK(run("export " + site.url("none.stl") + " " + quoted(made.path("b.stl"))).status == 1);
   CHECK(run("encode http://127.0.0.1:1/none.nrrd " + quoted(made.path("c.qnv"))).status == 1);
+}
+
+TEST_CASE("a picture of a large file of a server counts its bytes, and leaves no temporary file") {
+  const ScratchFolder made, folder, temporary;
+  std::string text = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 256 256 48\nencoding: raw\n\n";
+  for (std::size_t i = 0; i < std::size_t{256} * 256 * 48; ++i)
+    text += static_cast<char>(i % 256 > 90 && i / 256 % 256 > 90 ? 100 : 1);
+  (void)folder.write("large.nrrd", text);
+  const Site site(folder.path(""));
+  const std::string stats = made.path("stats.json");
+  const Run drawn =
+      run_shell("TMPDIR=" + quoted(temporary.path("")) + " " + program() + " --snapshot " + quoted(made.path("a.png")) +
+                " --size 32x32 --stats " + quoted(stats) + " " + site.url("large.nrrd"));
+  CHECK(drawn.status == 0);
+  const std::string written = gs::test::string_of(gs::test::file_bytes(stats));
+  const std::size_t at = written.find("\"bytes\": ");
+  REQUIRE(at != std::string::npos);
+  CHECK(std::stoull(written.substr(at + 9)) > 1'000'000);
+  CHECK(std::filesystem::is_empty(temporary.path("")));
 }
 
 TEST_CASE("info lists the arrays of VTK files, and of files that name others") {

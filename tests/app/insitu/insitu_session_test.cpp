@@ -139,6 +139,57 @@ TEST_CASE("in situ: a grid above the memory limit is thinned") {
   CHECK(numbers.thinning == 4);
 }
 
+TEST_CASE("in situ: particles above the memory limit are thinned, and cells are left out with a message") {
+  const ScratchFolder scratch;
+  const std::string folder = scratch.path("out");
+  gs_insitu_options options = plain_options();
+  options.folder = folder.c_str();
+  options.max_memory = 1600;
+  const Session session = opened(options);
+  std::vector<float> positions(3 * 1000);
+  for (std::size_t i = 0; i < positions.size(); ++i) positions[i] = static_cast<float>(i % 97);
+  gs_insitu_particles particles{};
+  particles.size = sizeof particles;
+  particles.positions = positions.data();
+  particles.position_type = GS_INSITU_FLOAT32;
+  particles.count = 1000;
+  std::vector<std::int32_t> corners, offsets{0};
+  std::vector<std::uint8_t> types;
+  for (std::int32_t i = 0; i < 100; ++i) {
+    for (const std::int32_t k : {0, 1, 2}) corners.push_back(3 * i + k);
+    offsets.push_back(3 * i + 3);
+    types.push_back(5);
+  }
+  gs_insitu_cells cells{};
+  cells.size = sizeof cells;
+  cells.points = positions.data();
+  cells.point_type = GS_INSITU_FLOAT32;
+  cells.index_type = GS_INSITU_INT32;
+  cells.point_count = 1000;
+  cells.connectivity = corners.data();
+  cells.connectivity_count = corners.size();
+  cells.offsets = offsets.data();
+  cells.types = types.data();
+  cells.cell_count = types.size();
+  REQUIRE(gs_insitu_begin_step(session.get(), 0, 0) == GS_INSITU_OK);
+  REQUIRE(gs_insitu_pass_particles(session.get(), &particles) == GS_INSITU_OK);
+  REQUIRE(gs_insitu_pass_cells(session.get(), &cells) == GS_INSITU_OK);
+  REQUIRE(gs_insitu_end_step(session.get()) == GS_INSITU_OK);
+  CHECK(std::string(gs_insitu_error(session.get())).find("its triangles exceed max_memory") != std::string::npos);
+  const std::vector<std::byte> bytes = bytes_of_text(scratch.read("out/particles.000000.qnv"));
+  const qnv::DecodedStream decoded = qnv::decode_stream(bytes, 1 << 20);
+  const auto* geometry = std::get_if<qnv::Geometry>(&decoded.content);
+  REQUIRE(geometry);
+  const auto* splats = geometry->as<qnv::Gaussians>();
+  REQUIRE(splats);
+  CHECK(splats->size() <= 100);
+  CHECK(splats->size() >= 80);
+  gs_insitu_statistics numbers{};
+  numbers.size = sizeof numbers;
+  REQUIRE(gs_insitu_get_statistics(session.get(), &numbers) == GS_INSITU_OK);
+  CHECK(numbers.thinning == 11);
+}
+
 TEST_CASE("in situ: a grid is thinned if the share of run time demands it") {
   const ScratchFolder scratch;
   const std::string folder = scratch.path("out");

@@ -1,9 +1,16 @@
 #include "app/insitu/publisher.h"
 #include "tests/app/insitu/insitu_helpers.h"
+#include "tests/app/insitu/thread_ranks.h"
 #include "tests/net/http_client.h"
 
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <map>
+#include <string>
+#include <thread>
+#include <vector>
 
 namespace gs::app::insitu {
 namespace publisher_test {
@@ -125,6 +132,91 @@ TEST_CASE("in situ server: viewers choose the field") {
   CHECK(run.post("/parameters?field=other", run.token).status == 200);
   REQUIRE(run.step_taken());
   CHECK(run.get("/").body.find("url \"other.") != std::string::npos);
+}
+
+// Serves a grid of 80^3 points that `ranks` ranks keep, and returns the bodies of all chunks and of the world.
+std::map<std::string, std::string> served_chunks(int ranks) {
+  std::map<std::string, std::string> bodies;
+  std::atomic<bool> done{false};
+  std::atomic<int> port{0};
+  const ScratchFolder scratch;
+  const std::string token_file = scratch.path("token");
+  std::thread viewer([&] {
+    while (port == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    for (const char* path : {"/", "/heat.000000.zarr/zarr.json", "/heat.000000.zarr/0/c.0.0.0",
+                             "/heat.000000.zarr/0/c.1.1.1", "/heat.000000.zarr/1/c.0.0.0", "/insitu.json"}) {
+      const Got got = fetch(static_cast<std::uint16_t>(port.load()), path);
+      bodies[path] = got.status == 200 ? got.body : "status " + std::to_string(got.status);
+    }
+    done = true;
+  });
+  ThreadRanks::run(ranks, [&](int rank, const gs_insitu_communicator& table) {
+    gs_insitu_options options = plain_options();
+    options.serve = 1;
+    options.token_file = token_file.c_str();
+    Session session(gs_insitu_open(&options, &table, nullptr, 0));
+    const SmoothGrid grid(80);
+    std::vector<double> values;
+    gs_insitu_field field;
+    const gs_insitu_block block = grid.block(80 * rank / ranks, 80 * (rank + 1) / ranks, values, field, 1);
+    // Rank 0 ends the run when the viewer is served. The last step has a known number on all ranks.
+    const gs_insitu_parameter end{sizeof end, "end", nullptr, nullptr, 0, 1, 0, 0, 0};
+    (void)gs_insitu_add_parameter(session.get(), &end);
+    bool asked = false;
+    for (int step = 0; gs_insitu_value(session.get(), "end") == 0; ++step) {
+      if (gs_insitu_begin_step(session.get(), step, step) == GS_INSITU_OK) {
+        (void)gs_insitu_pass_block(session.get(), &block);
+        (void)gs_insitu_end_step(session.get());
+      }
+      if (rank != 0) continue;
+      if (port == 0) port = gs_insitu_port(session.get());
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      if (done && !asked)
+        asked = fetch(static_cast<std::uint16_t>(port.load()), "/parameters?end=1",
+                      {"Authorization: Bearer " + scratch.read("token").substr(0, 32)}, "POST")
+                    .status == 200;
+    }
+  });
+  viewer.join();
+  return bodies;
+}
+
+TEST_CASE("in situ server: chunks of a kept grid are the same for every number of ranks") {
+  const auto alone = served_chunks(1);
+  REQUIRE(alone.size() == 6);
+  CHECK(alone.at("/").find("url \"heat.000000.zarr/zarr.json\" profile \"VOLUME\"") != std::string::npos);
+  for (const auto& [path, body] : alone) {
+    INFO(path);
+    CHECK_FALSE(body.starts_with("status"));
+  }
+  const auto three = served_chunks(3);
+  for (const char* path :
+       {"/heat.000000.zarr/zarr.json", "/heat.000000.zarr/0/c.0.0.0", "/heat.000000.zarr/1/c.0.0.0"}) {
+    INFO(path);
+    CHECK(alone.at(path).size() > 100);
+    CHECK_FALSE(three.at(path).starts_with("status"));
+  }
+  CHECK(three.at("/heat.000000.zarr/zarr.json") == alone.at("/heat.000000.zarr/zarr.json"));
+}
+
+TEST_CASE("in situ server: a kept grid is not encoded without a request, and the next step waits for one") {
+  ServedRun run;
+  run.grid = SmoothGrid(48);
+  REQUIRE(run.step());
+  gs_insitu_statistics numbers{};
+  numbers.size = sizeof numbers;
+  REQUIRE(gs_insitu_get_statistics(run.session.get(), &numbers) == GS_INSITU_OK);
+  CHECK(numbers.stream_bytes == 0);
+  CHECK(numbers.peak_bytes == 48 * 48 * 48 * 2);
+  (void)run.get("/");
+  (void)run.get("/heat.000000.zarr/zarr.json");
+  for (int i = 0; i < 100; ++i) CHECK_FALSE(run.step());
+  const Got chunk = run.get("/heat.000000.zarr/0/c.0.0.0");
+  CHECK(chunk.status == 200);
+  CHECK(run.step_taken());
+  REQUIRE(gs_insitu_get_statistics(run.session.get(), &numbers) == GS_INSITU_OK);
+  CHECK(numbers.stream_bytes == chunk.body.size());
+  CHECK(run.get("/heat.000000.zarr/0/c.0.0.0").body == chunk.body);
 }
 
 TEST_CASE("in situ server: the token file and the temporary folder end with the session") {

@@ -55,6 +55,13 @@ TEST_CASE("pace: without a limit, every wanted step is taken") {
   CHECK(tenth.contacts == 10);
 }
 
+TEST_CASE("pace: ranks agree often while viewers may request chunks, also between steps that may be taken") {
+  StepPace pace(0, 1000);
+  CHECK(pace.steps_until_contact(100, 1, 0, true) == 900);
+  CHECK(pace.steps_until_contact(100, 1, 0, true, StepPace::kQuickContact) <= 5);
+  CHECK(pace.steps_until_contact(999, 10, 0, true, StepPace::kQuickContact) == 1);
+}
+
 TEST_CASE("pace: ranks agree rarely between steps that are not taken") {
   const Paced paced = run_paced(0.01, 1, 100'000, 0.0001, 0.05);
   CHECK(paced.share <= 0.01);

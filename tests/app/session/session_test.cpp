@@ -1,8 +1,10 @@
 #include "app/session/session.h"
 
 #include "app/simulation/simulation.h"
+#include "tests/app/geometry_shapes.h"
 #include "tests/app/one_world.h"
 #include "tests/app/scratch_folder.h"
+#include "tests/net/memory_network.h"
 
 #include <catch2/catch.hpp>
 
@@ -70,6 +72,38 @@ TEST_CASE("EXAMINE turns about the point under the pointer at the start of the d
   const glm::dvec3 on_box = dragged({100 + 2.0f / 9.5f * 50 / std::tan(0.392699f), 50});
   CHECK(glm::distance(on_box, glm::dvec3(2, 0, 0.5)) < 0.02);
   CHECK(dragged({100, 20}).x < -5);  // a press on the sky turns about the centre of the world
+}
+
+TEST_CASE("uses a reader that has started before the session, unless the options differ") {
+  for (const bool same : {true, false}) {
+    const auto network = std::make_shared<net::MemoryNetwork>();
+    net::MemoryResource world;
+    world.bytes = test::bytes_of("#VRML V2.0 utf8\nShape { geometry Box { } }\n");
+    network->put("memory://a/box.wrl", world);
+    LoadOptions load;
+    load.memory = net::MakeMemoryTransport{network};
+    load.timeout_seconds = 60;
+    SessionOptions options;
+    options.files = {"memory://a/box.wrl"};
+    options.early = read_early(options.files.front(), load, [] {});
+    REQUIRE(options.early);
+    if (!same) load.limits.memory /= 2;
+    Session session(options, load, [] {});
+    Frame frame;
+    for (int i = 0; i < 2000 && !session.view(); ++i) {
+      frame = session.step(kStart + i * 0.01, input_of({}));
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    REQUIRE(session.view());
+    CHECK(session.view()->document->world.scene->roots().size() == 1);
+    CHECK_FALSE(options.early->reader);
+    if (same) CHECK(network->transfers().size() == 1);
+  }
+  LoadOptions load;
+  CHECK_FALSE(read_early("box.wrl", load, [] {}));
+  CHECK_FALSE(read_early("memory://a/box.wrl#Top", load, [] {}));
+  load.follow = true;
+  CHECK_FALSE(read_early("memory://a/box.wrl", load, [] {}));
 }
 
 TEST_CASE("advances time without a viewer") {

@@ -5,7 +5,7 @@
 #include <set>
 #include <utility>
 
-#include "net/load/transport.h"
+#include "net/transfer/transport.h"
 
 namespace {
 

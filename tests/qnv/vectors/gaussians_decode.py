@@ -225,12 +225,15 @@ def main():
             before = clusters[parent - 1] if parent else None
             covered = before["nodes"][first:first + count] if before else [root]
             coder, models, nodes = Range(rest), Models(before and before["models"]), []
+            origins, unchanged = [], []  # indexes in the parent; whether a Gaussian is its parent
             for i, p in enumerate(covered):
                 if p["leaf"]:
                     continue
                 if before:
                     before["replaced"].add(first + i)
                 more = min(models.short(coder, 16, "children"), 254) + 1
+                origins += more * [first + i]
+                unchanged += more * [bool(before) and more == 1]
                 if before and more == 1:
                     nodes.append(p)
                     continue
@@ -238,13 +241,17 @@ def main():
                 for _ in range(more):
                     b = child(coder, models, p, b, header)
                     nodes.append(b)
-            clusters[name] = {"nodes": nodes, "models": models, "replaced": set(), "harmonics": {}}
-        elif kind == 21:
+            clusters[name] = {"nodes": nodes, "models": models, "replaced": set(), "harmonics": {}, "origins": origins,
+                              "unchanged": unchanged, "parent": parent - 1 if parent else None}
+        elif kind in (21, 22):
             (name, first, count), rest = numbers(payload, 3)
-            leaves = [node for node in clusters[name]["nodes"] if node["leaf"]]
+            cluster = clusters[name]
+            chosen = [i for i, node in enumerate(cluster["nodes"])
+                      if node["leaf"] == (kind == 21) and not cluster["unchanged"][i]]
             coder, models = Range(rest), Models()
             for i in range(first, first + count):
-                step = 2 * steps_of(leaves[i]["s"], leaves[i]["a"], True, header)[2]
+                node = cluster["nodes"][chosen[i]]
+                step = 2 * steps_of(node["s"], node["a"], node["leaf"], header)[2]
                 own = []
                 some = coder.yes(models["any"])
                 for k in range(per):
@@ -257,14 +264,18 @@ def main():
                         models.means[k, c] = max(1, mean + int((16 * min(abs(value), 2047) - mean) / 8))
                         code[c] = value
                     own += [f32(v) for v in rgb(code, step)]
-                clusters[name]["harmonics"][i] = own
+                if some or kind == 21:
+                    cluster["harmonics"][chosen[i]] = own
     for name in sorted(clusters):
-        cluster, leaf = clusters[name], 0
+        cluster = clusters[name]
         for i, node in enumerate(cluster["nodes"]):
-            own = cluster["harmonics"].get(leaf, [0.0] * 3 * per) if node["leaf"] else [0.0] * 3 * per
-            leaf += 1 if node["leaf"] else 0
             if i in cluster["replaced"]:
                 continue
+            # Harmonics of the Gaussian, else those of its nearest ancestor.
+            at, number = cluster, i
+            while number not in at["harmonics"] and at["parent"] is not None:
+                at, number = clusters[at["parent"]], at["origins"][number]
+            own = at["harmonics"].get(number, [0.0] * 3 * per)
             floats = node["rotation"] + node["position"] + node["color"] + own
             words = ["%08x" % struct.unpack("<I", struct.pack("<f", v + 0.0))[0] for v in floats]
             print(*node["s"], node["a"], 1 if node["leaf"] else 0, *words)

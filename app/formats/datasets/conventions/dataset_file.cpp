@@ -50,8 +50,9 @@ class TreeFile final : public DatasetFile {
 
 /// Opens a Zarr or N5 container through one of its metadata files, or in an archive.
 DatasetFileResult open_zarr(const VolumeFile& file) {
-  const bool lists = file.list_folder && file.list_folder(".");
-  ZarrPlace place{file.read_files, lists ? file.list_folder : nullptr, file.budget, !lists};
+  // A server is asked for a list only if nothing else names the nodes.
+  const bool lists = file.list_folder && (file.component.served || file.list_folder("."));
+  ZarrPlace place{file.read_files, lists ? file.list_folder : nullptr, file.budget, file.component.served};
   if (is_zip(file.content.bytes)) {
     auto zipped = zarr_place_of_zip(file.content, file.budget);
     if (auto* const problem = std::get_if<std::string>(&zipped)) return std::move(*problem);

@@ -207,16 +207,17 @@ class ZarrFile::Finder {
       for (ZarrLevel& level : image.levels) {
         const auto place = tidy_path(zarr_path(path, level.path));
         level.path = place ? "/" + *place : std::string();
-        if (place) waiting_.push_back({*place, NodeKind::level});
+        if (place && !seen_.contains(*place)) waiting_.push_back({*place, NodeKind::level});
       }
       std::erase_if(image.levels, [](const ZarrLevel& level) { return level.path.empty(); });
       if (image.levels.empty()) continue;
       file_.images_.push_back(std::move(image));
-      waiting_.push_back({zarr_path(path, "labels"), NodeKind::labels});
+      // Consolidated metadata list all nodes, also the labels.
+      if (!listed) waiting_.push_back({zarr_path(path, "labels"), NodeKind::labels});
       listed = true;
     }
     listed = add_named(path, node) || listed;
-    if (!listed || file_.place_.list) add_listed(path);
+    if (!listed || !file_.place_.remote) add_listed(path);
   }
 
   /// Adds the nodes of consolidated metadata. Returns false if there are none.
@@ -339,7 +340,7 @@ std::variant<std::shared_ptr<ZarrFile>, std::string> ZarrFile::open(ZarrPlace pl
       return found == file->infos_.end() || found->shape.size() != image.axes.size();
     });
   std::erase_if(file->images_, [](const ZarrImage& image) { return image.levels.empty(); });
-  if (file->infos_.empty() && !file->place_.list)
+  if (file->infos_.empty() && (!file->place_.list || file->place_.remote))
     return std::string("the server does not list this group; name one of its arrays, as in data.zarr/temperature");
   return file;
 }

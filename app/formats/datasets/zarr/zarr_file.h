@@ -27,7 +27,7 @@ inline constexpr std::string_view kZarrMetadataFiles[] = {"zarr.json", ".zmetada
 /// Place of a container: how its files are read. References are relative to its folder.
 struct ZarrPlace {
   ReadFiles read;
-  ListFolder list = {};  // null if folders cannot be listed, as those of servers
+  ListFolder list = {};  // null if folders cannot be listed
   WorldBudget budget = own_budget();
   bool remote = false;  // on a server
 };

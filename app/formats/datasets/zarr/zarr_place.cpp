@@ -93,6 +93,8 @@ std::variant<ZarrPlace, std::string> zarr_place_of_zip(SharedBytes bytes, const 
   return place;
 }
 
+std::span<const std::string_view> zarr_entry_files() { return kZarrEntryFiles; }
+
 std::string zarr_entry_of_folder(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_directory(path, error)) return {};

@@ -18,7 +18,7 @@ extern "C" {
 #endif
 
 /* Version of this interface. A library of version N accepts programs that were compiled with an older version. */
-#define GS_INSITU_VERSION 1
+#define GS_INSITU_VERSION 2
 
 #if defined(__GNUC__)
 #define GS_INSITU_API __attribute__((visibility("default")))
@@ -136,13 +136,16 @@ typedef struct gs_insitu_options {
   double relative_error;  /* maximum error as a share of the range of the step's values; default 0.001 */
   double max_share;       /* maximum share of run time that the library may take, e.g. 0.02; 0 means unlimited */
   int64_t every;          /* takes at most each n-th step; default 1 */
-  uint64_t max_memory; /* bytes for a step on rank 0; a larger grid is thinned by 2, 4, ... per axis; default 256 MiB */
+  uint64_t max_memory; /* bytes for data of a step on each rank; a larger grid is thinned by 2, 4, ... per axis, larger
+                          sets of particles by any number; default 256 MiB */
   int32_t threads;     /* maximum number of threads for encoding; default 1 */
   int32_t background;  /* 1: rank 0 may encode on a thread of its own while the simulation continues */
   int32_t thin;        /* 1: thins grids so that max_share permits each wanted step; 0: full grids, fewer steps */
   int32_t reserved;
   void (*log)(void* context, const char* message); /* receives messages on the calling thread; NULL: none */
   void* log_context;
+  const char* live_file; /* with serve: file (mode 0600) with the address of the server, for ssh:// URLs, such as
+                            "run.live"; NULL: none. Since version 2 */
 } gs_insitu_options;
 
 /* Parameter that viewers may change. */

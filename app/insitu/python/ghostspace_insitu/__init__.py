@@ -100,7 +100,7 @@ class _Options(ctypes.Structure):
                 ("relative_error", ctypes.c_double), ("max_share", ctypes.c_double), ("every", ctypes.c_int64),
                 ("max_memory", ctypes.c_uint64), ("threads", ctypes.c_int32), ("background", ctypes.c_int32),
                 ("thin", ctypes.c_int32), ("reserved", ctypes.c_int32), ("log", _Log),
-                ("log_context", ctypes.c_void_p)]
+                ("log_context", ctypes.c_void_p), ("live_file", ctypes.c_char_p)]
 
 
 class _Parameter(ctypes.Structure):
@@ -264,8 +264,8 @@ class Session:
     """Session of a simulation. Methods marked "collective" must be called by all ranks in the same order.
 
     The keyword arguments are the members of gs_insitu_options (ghostspace/insitu.h): title, folder, serve, port, bind,
-    token_file, field, error, relative_error, max_share, every, max_memory, threads, background, thin. `comm` is a
-    communicator of mpi4py, `parameters` a list of Parameter, and `log` a function that receives messages.
+    token_file, field, error, relative_error, max_share, every, max_memory, threads, background, thin, live_file.
+    `comm` is a     communicator of mpi4py, `parameters` a list of Parameter, and `log` a function that receives messages.
     """
 
     def __init__(self, comm=None, parameters=(), log=None, **options):

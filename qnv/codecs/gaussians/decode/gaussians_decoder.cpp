@@ -27,8 +27,8 @@ class GaussiansDecoder final : public Decoder {
       : antialiased_(header.gaussians.antialiased), forest_(header.gaussians, header.description.box, most_vectors) {}
 
   void add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange>) override {
-    if (type == ChunkType::harmonics)
-      forest_.add_harmonics(payload);
+    if (is_harmonics(type))
+      forest_.add_harmonics(payload, type == ChunkType::coarse_harmonics);
     else
       forest_.add_cluster(payload);
   }

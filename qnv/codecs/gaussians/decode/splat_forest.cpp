@@ -62,9 +62,11 @@ void SplatForest::add_cluster(std::span<const std::byte> payload) {
       const std::vector<SplatNode> parents = parents_of(packed->head, parent);
       auto models =
           parent && parent->models ? std::make_shared<SplatModels>(*parent->models) : std::make_shared<SplatModels>();
+      std::vector<NodeOrigin> origins;
       auto nodes = parents.empty() || (parent && !parent->models)
                        ? std::nullopt
-                       : decode_nodes(packed->bytes, parents, parent != nullptr, *models, precision_);
+                       : decode_nodes(packed->bytes, parents, parent != nullptr, *models, precision_,
+                                      degree_ > 0 ? &origins : nullptr);
       const std::size_t size = nodes ? nodes->size() : 0;
       // Replaced Gaussians stay in memory, because other clusters may replace the rest of their cluster.
       const bool full = nodes && (shown_ + size > most_ || (nodes_ + size) / 2 > most_);
@@ -87,13 +89,18 @@ void SplatForest::add_cluster(std::span<const std::byte> payload) {
         HeldCluster& held = clusters_[packed->head.id];
         held.inner = static_cast<std::size_t>(std::ranges::count(*nodes, false, &SplatNode::leaf));
         held.level = packed->head.level;
+        held.parent = packed->head.parent;
+        for (NodeOrigin& origin : origins)
+          origin.parent = static_cast<std::uint16_t>(origin.parent + packed->head.first);
+        held.origins = std::move(origins);
         held.nodes = std::move(*nodes);
         held.replaced.resize(size);
         if (held.inner > 0) held.models = std::move(models);
         shown_ += size;
         nodes_ += size;
         for (auto& waited : take_waiting(waiting_, packed->head.id)) ready.push_back(std::move(waited));
-        for (const auto& waited : take_waiting(waiting_harmonics_, packed->head.id)) add_harmonics(waited);
+        for (const auto& waited : take_waiting(waiting_harmonics_, packed->head.id)) add_harmonics(waited, false);
+        for (const auto& waited : take_waiting(waiting_coarse_, packed->head.id)) add_harmonics(waited, true);
       }
     } else {
       ++count_.refused;
@@ -105,20 +112,21 @@ void SplatForest::add_cluster(std::span<const std::byte> payload) {
   }
 }
 
-void SplatForest::add_harmonics(std::span<const std::byte> payload) {
+void SplatForest::add_harmonics(std::span<const std::byte> payload, bool coarse) {
   const auto packed = parse_harmonics(payload);
   if (!packed || degree_ == 0) {
     ++count_.refused;
     return;
   }
   const auto found = clusters_.find(packed->head.cluster);
-  if (found == clusters_.end()) return wait(waiting_harmonics_, packed->head.cluster, payload);
+  if (found == clusters_.end())
+    return wait(coarse ? waiting_coarse_ : waiting_harmonics_, packed->head.cluster, payload);
   HeldCluster& held = found->second;
-  std::vector<const SplatNode*> leaves;
-  for (const SplatNode& node : held.nodes)
-    if (node.leaf) leaves.push_back(&node);
+  std::vector<std::size_t> nodes;
+  for (std::size_t i = 0; i < held.nodes.size(); ++i)
+    if (held.nodes[i].leaf != coarse && !held.origins[i].unchanged) nodes.push_back(i);
   const std::size_t per = harmonic_count(degree_), first = packed->head.first, last = first + packed->head.count;
-  if (last > leaves.size()) {
+  if (last > nodes.size()) {
     ++count_.refused;
     return;
   }
@@ -127,20 +135,35 @@ void SplatForest::add_harmonics(std::span<const std::byte> payload) {
   HarmonicModels models;
   std::array<std::array<int, 3>, harmonic_count(Gaussians::kMaxDegree)> codes{};
   std::vector<glm::vec3> coefficients;
+  std::vector<bool> own;  // other Gaussians have those of an ancestor
   for (std::size_t i = first; i < last; ++i) {
-    code_harmonics(reader, models, degree_, codes);
+    own.push_back(code_harmonics(reader, models, degree_, codes) || !coarse);
     if (decoder.exhausted()) break;
-    const double step = harmonic_step(*leaves[i], precision_);
+    const double step = harmonic_step(held.nodes[nodes[i]], precision_);
     for (std::size_t k = 0; k < per; ++k) coefficients.push_back(glm::vec3(rgb_of(codes[k], step)));
   }
   if (coefficients.size() != per * packed->head.count) {
     ++count_.refused;
     return;
   }
-  held.harmonics.resize(per * leaves.size());
-  std::ranges::copy(coefficients, held.harmonics.begin() + static_cast<std::ptrdiff_t>(per * first));
+  held.harmonics.resize(per * held.nodes.size());
+  held.known.resize(held.nodes.size());
+  for (std::size_t i = first; i < last; ++i) {
+    std::copy_n(coefficients.begin() + static_cast<std::ptrdiff_t>(per * (i - first)), per,
+                held.harmonics.begin() + static_cast<std::ptrdiff_t>(per * nodes[i]));
+    held.known[nodes[i]] = own[i - first];
+  }
   harmonics_ = true;
   ++count_.taken;
+}
+
+const glm::vec3* SplatForest::harmonics_of(const HeldCluster& held, std::size_t node) const {
+  for (const HeldCluster* at = &held;;) {
+    if (!at->known.empty() && at->known[node]) return at->harmonics.data() + harmonic_count(degree_) * node;
+    if (at->parent == ClusterHead::kNoParent) return nullptr;
+    node = at->origins[node].parent;
+    at = &clusters_.at(at->parent);
+  }
 }
 
 }  // namespace gs::qnv::gaussians

@@ -19,7 +19,10 @@ struct HeldCluster {
   std::shared_ptr<const SplatModels> models;  // at its end; null once all Gaussians are final or replaced
   std::size_t inner = 0;                      // Gaussians that are neither final nor replaced
   std::uint32_t level = 0;
-  std::vector<glm::vec3> harmonics;  // of the leaves in order, harmonic_count() each; empty until received
+  std::uint32_t parent = ClusterHead::kNoParent;
+  std::vector<NodeOrigin> origins;   // parents are indexes in the parent cluster; empty in streams without harmonics
+  std::vector<glm::vec3> harmonics;  // harmonic_count() per Gaussian; empty until any are received
+  std::vector<bool> known;           // one per Gaussian: its own harmonics were received
 };
 
 /// Received clusters of a stream of Gaussians, in any order: each waits for its parent. One thread at a time. Safe for
@@ -31,7 +34,8 @@ class SplatForest {
       : precision_{coding.important, coding.finest, coding.steps, box}, degree_(coding.degree), most_(most) {}
 
   void add_cluster(std::span<const std::byte> payload);
-  void add_harmonics(std::span<const std::byte> payload);
+  /// Adds harmonics of leaves, or those of other Gaussians if `coarse` is true.
+  void add_harmonics(std::span<const std::byte> payload, bool coarse);
   [[nodiscard]] const DecodeCount& count() const { return count_; }
   /// Returns the number of Gaussians that no received ones replace.
   [[nodiscard]] std::size_t shown() const { return shown_; }
@@ -39,25 +43,21 @@ class SplatForest {
   [[nodiscard]] bool has_harmonics() const { return harmonics_; }
   [[nodiscard]] int degree() const { return degree_; }
 
-  /// Calls visit(node, harmonics) for each Gaussian that is shown. The harmonics are null until received.
+  /// Calls visit(node, harmonics) for each Gaussian that is shown. The harmonics are its own, else those of its nearest
+  /// ancestor. They are null if none were received.
   template <class Visit>
   void visit_shown(const Visit& visit) const {
-    const std::size_t per = harmonic_count(degree_);
-    for (const auto& [id, held] : clusters_) {
-      std::size_t leaf = 0;
-      for (std::size_t i = 0; i < held.nodes.size(); ++i) {
-        const bool final = held.nodes[i].leaf;
-        const glm::vec3* const own = final && !held.harmonics.empty() ? held.harmonics.data() + leaf * per : nullptr;
-        leaf += final ? 1 : 0;
-        if (!held.replaced[i]) visit(held.nodes[i], own);
-      }
-    }
+    for (const auto& [id, held] : clusters_)
+      for (std::size_t i = 0; i < held.nodes.size(); ++i)
+        if (!held.replaced[i]) visit(held.nodes[i], harmonics_ ? harmonics_of(held, i) : nullptr);
   }
 
  private:
   // Maximum bytes of the chunks that wait for a cluster. Limited, because some clusters are never received.
   static constexpr std::size_t kMostWaitingBytes = std::size_t{64} << 20;
   using Waiting = std::multimap<std::uint32_t, std::vector<std::byte>>;
+
+  [[nodiscard]] const glm::vec3* harmonics_of(const HeldCluster& held, std::size_t node) const;
 
   void wait(Waiting& waiting, std::uint32_t cluster, std::span<const std::byte> payload);
   [[nodiscard]] std::vector<std::vector<std::byte>> take_waiting(Waiting& waiting, std::uint32_t cluster);
@@ -69,7 +69,7 @@ class SplatForest {
   std::size_t most_;
   DecodeCount count_;
   std::map<std::uint32_t, HeldCluster> clusters_;
-  Waiting waiting_, waiting_harmonics_;
+  Waiting waiting_, waiting_harmonics_, waiting_coarse_;
   std::size_t waiting_bytes_ = 0, shown_ = 0, nodes_ = 0;
   bool rooted_ = false, harmonics_ = false;
 };

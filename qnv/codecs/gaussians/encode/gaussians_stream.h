@@ -1,17 +1,24 @@
 #pragma once
 
-#include "base/parallel.h"
-#include "qnv/base/geometry.h"
 #include "qnv/codecs/shared/encode_options.h"
+#include "qnv/codecs/shared/gaussian_source.h"
 
+#include <cstddef>
 #include <variant>
 
 namespace gs::qnv {
 
-/// Encodes Gaussians as a stream of the Gaussians payload. Blocks. Any thread. Fails if there are none, or if a number
-/// is not finite. Of the options, uses `vectors`, `max_bytes`, `parity`, `metadata` and `threads`.
-[[nodiscard]] std::variant<EncodedStream, EncodeError> encode_gaussians(const Gaussians& source,
-                                                                        const EncodeOptions& options,
-                                                                        Progress* progress = nullptr);
+/// Maximum number of Gaussians with one tree, unless EncodeOptions::part_splats is set.
+inline constexpr std::size_t kMostWholeGaussians = 500'000;
+
+/// Encodes Gaussian splats as a stream: FORMAT.md, "Gaussians payload". Uses these options: vectors, max_bytes,
+/// metadata, parity, splat_steps, part_splats, memory, spill, sink, threads. All numbers must be finite. Coefficients
+/// of harmonics that are not finite become 0. Runs on any thread; blocks.
+std::variant<EncodedStream, EncodeError> encode_gaussians(const Gaussians& source, const EncodeOptions& options,
+                                                          Progress* progress = nullptr);
+/// Encodes Gaussians that may exceed memory. More than EncodeOptions::part_splats are divided into parts in space. Each
+/// part gets a tree of its own. One tree joins the merged Gaussians at the tops of these trees.
+std::variant<EncodedStream, EncodeError> encode_gaussians(const GaussianSource& source, const EncodeOptions& options,
+                                                          Progress* progress = nullptr);
 
 }  // namespace gs::qnv

@@ -159,28 +159,20 @@ float rough_cost(const Candidate& a, const Candidate& b, float detail) {
 /// Builder of a tree. The active nodes are those without a parent so far.
 class TreeBuilder {
  public:
-  TreeBuilder(const Gaussians& source, float detail, unsigned threads)
-      : box_(source.description.box), detail_(detail), threads_(threads) {
+  TreeBuilder(Forest forest, float detail, unsigned threads)
+      : box_(forest.box),
+        detail_(detail),
+        threads_(threads),
+        nodes_(std::move(forest.nodes)),
+        active_(std::move(forest.roots)) {
     const glm::vec3 size = box_.size();
     edge_ = std::max({size.x, size.y, size.z, std::numeric_limits<float>::min()});
-    const std::size_t count = source.size();
-    nodes_.reserve(2 * count);
-    nodes_.resize(count);
-    known_.resize(2 * count);
-    active_.resize(count);
-    std::iota(active_.begin(), active_.end(), 0u);
-    for (std::size_t i = 0; i < count; ++i) {
-      MergedNode& node = nodes_[i];
-      node.right = static_cast<std::uint32_t>(i);
-      node.blob.mean = source.positions[i];
-      node.blob.covariance = covariance_of(source.scales[i], source.rotations[i]);
-      node.blob.color = source.bases[i];
-      node.blob.weight = source.opacities[i] * area_of(node.blob.covariance, detail);
-    }
+    nodes_.reserve(nodes_.size() + active_.size());
+    known_.resize(nodes_.size() + active_.size());
   }
 
-  [[nodiscard]] bool done() const { return active_.size() <= 1; }
-  [[nodiscard]] std::vector<MergedNode> take() { return std::move(nodes_); }
+  [[nodiscard]] std::size_t roots() const { return active_.size(); }
+  [[nodiscard]] MergeTree take(std::size_t given) { return {std::move(nodes_), std::move(active_), given, detail_}; }
 
   /// Merges pairs of nodes that suit each other best.
   void merge_pairs() {
@@ -329,8 +321,9 @@ class TreeBuilder {
   std::vector<std::uint32_t> place_of_;  // positions in active_ by node
 };
 
-/// Returns the size of details. Few splats may lie far away, so it depends on the median distance from the mean.
-float detail_of(const Gaussians& source) {
+}  // namespace
+
+float detail_of(const Gaussians& source, const Box& box) {
   glm::dvec3 mean(0);
   for (const glm::vec3& p : source.positions) mean += glm::dvec3(p) / static_cast<double>(source.size());
   std::vector<float> distances;
@@ -338,24 +331,53 @@ float detail_of(const Gaussians& source) {
   for (const glm::vec3& p : source.positions) distances.push_back(glm::distance(p, glm::vec3(mean)));
   const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
   std::ranges::nth_element(distances, middle);
-  const glm::vec3 size = source.description.box.size();
+  const glm::vec3 size = box.size();
   return std::max({*middle * kDetail, 1e-6f * std::max({size.x, size.y, size.z}), 1e-9f});
 }
 
-}  // namespace
+Forest leaves_of(const Gaussians& source, const Box& box, float detail) {
+  Forest forest;
+  forest.box = box;
+  forest.nodes.reserve(2 * source.size());
+  forest.nodes.resize(source.size());
+  forest.roots.resize(source.size());
+  std::iota(forest.roots.begin(), forest.roots.end(), 0u);
+  for (std::size_t i = 0; i < source.size(); ++i) {
+    MergedNode& node = forest.nodes[i];
+    node.right = static_cast<std::uint32_t>(i);
+    node.blob.mean = source.positions[i];
+    node.blob.covariance = covariance_of(source.scales[i], source.rotations[i]);
+    node.blob.color = source.bases[i];
+    node.blob.weight = source.opacities[i] * area_of(node.blob.covariance, detail);
+  }
+  return forest;
+}
 
 BlobLook MergeTree::look(std::uint32_t i) const { return look_of(nodes_[i].blob, detail_, nodes_[i].leaf()); }
 
-std::optional<MergeTree> MergeTree::build(const Gaussians& source, unsigned threads, Progress* progress) {
-  MergeTree tree;
-  tree.detail_ = detail_of(source);
-  TreeBuilder builder(source, tree.detail_, threads);
-  while (!builder.done()) {
+double MergeTree::energy(std::uint32_t i) const {
+  const BlobLook shape = look(i);
+  const Covariance& c = shape.covariance;
+  const double d = detail_ * detail_, xx = c[0] + d, yy = c[3] + d, zz = c[5] + d;
+  const auto flat = [](double a, double b, double ab) { return std::sqrt(std::max(a * b - ab * ab, 0.0)) / 2; };
+  return double{shape.opacity} * shape.opacity * (flat(xx, yy, c[1]) + flat(yy, zz, c[4]) + flat(xx, zz, c[2]));
+}
+
+std::optional<MergeTree> MergeTree::join(Forest forest, float detail, std::size_t most, unsigned threads,
+                                         Progress* progress) {
+  const std::size_t given = forest.nodes.size();
+  TreeBuilder builder(std::move(forest), detail, threads);
+  while (builder.roots() > most) {
     if (is_cancelled(progress)) return std::nullopt;
     builder.merge_pairs();
   }
-  tree.nodes_ = builder.take();
-  return tree;
+  return builder.take(given);
+}
+
+std::optional<MergeTree> MergeTree::build(const Gaussians& source, unsigned threads, Progress* progress) {
+  const Box& box = source.description.box;
+  const float detail = detail_of(source, box);
+  return join(leaves_of(source, box, detail), detail, 1, threads, progress);
 }
 
 float area_of(const std::array<float, 6>& c, float detail) {

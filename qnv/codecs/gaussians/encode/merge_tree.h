@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/box.h"
 #include "base/parallel.h"
 #include "qnv/base/geometry.h"
 
@@ -9,6 +10,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 namespace gs::qnv::gaussians {
@@ -29,14 +32,24 @@ struct BlobLook {
 
 /// Node of a tree of merged Gaussians.
 struct MergedNode {
-  static constexpr std::uint32_t kNone = 0xffffffff;
+  static constexpr std::uint32_t kNone = 0xffffffff, kOutside = kNone - 1;
 
   Blob blob;
   float error = 0;  // squared error of pictures that show this node instead of its leaves; 0 for leaves
   std::uint32_t leaves = 1;
-  std::uint32_t left = kNone, right = kNone;  // of a leaf, `left` is kNone and `right` the index of the Gaussian
+  // Of a leaf, `left` is kNone and `right` the index of the Gaussian. If `left` is kOutside, the tree omits the
+  // children.
+  std::uint32_t left = kNone, right = kNone;
 
   [[nodiscard]] bool leaf() const { return left == kNone; }
+  [[nodiscard]] bool outside() const { return left == kOutside; }
+};
+
+/// Nodes that a tree starts with.
+struct Forest {
+  std::vector<MergedNode> nodes;     // children before their parents
+  std::vector<std::uint32_t> roots;  // places of the nodes without a parent
+  Box box;                           // of the means
 };
 
 /// Binary tree of merged Gaussians. Each merge replaces two close Gaussians by one with little difference in pictures.
@@ -47,19 +60,39 @@ class MergeTree {
   /// Builds the tree of at least one Gaussian with finite numbers. Returns nullopt if it is cancelled. Gives equal
   /// results for any number of threads.
   static std::optional<MergeTree> build(const Gaussians& source, unsigned threads, Progress* progress);
+  /// Builds one tree of the trees of a forest, or stops if at most `most` roots are left.
+  static std::optional<MergeTree> join(Forest forest, float detail, std::size_t most, unsigned threads,
+                                       Progress* progress);
+  /// Makes trees from their nodes and roots.
+  MergeTree(std::vector<MergedNode> nodes, std::vector<std::uint32_t> roots, std::size_t given, float detail)
+      : nodes_(std::move(nodes)), roots_(std::move(roots)), given_(given), detail_(detail) {}
 
   [[nodiscard]] const MergedNode& operator[](std::uint32_t i) const { return nodes_[i]; }
-  [[nodiscard]] std::uint32_t root() const { return static_cast<std::uint32_t>(nodes_.size() - 1); }
+  [[nodiscard]] std::size_t size() const { return nodes_.size(); }
+  [[nodiscard]] std::span<const MergedNode> nodes() const { return nodes_; }
+  [[nodiscard]] std::uint32_t root() const { return roots_.front(); }
+  [[nodiscard]] const std::vector<std::uint32_t>& roots() const { return roots_; }
+  /// Returns the number of nodes of the forest that the tree started with. They are first.
+  [[nodiscard]] std::size_t given() const { return given_; }
   /// Returns the shape and the opacity of a node. Opacities above 1 become larger shapes.
   [[nodiscard]] BlobLook look(std::uint32_t i) const;
+  /// Returns the squared error of pictures without a node, for a squared contrast of 1.
+  [[nodiscard]] double energy(std::uint32_t i) const;
   /// Returns the standard deviation below which details count as points.
   [[nodiscard]] float detail() const { return detail_; }
 
  private:
-  std::vector<MergedNode> nodes_;  // leaves first; the root is last
+  std::vector<MergedNode> nodes_;  // children before their parents; a single root is last
+  std::vector<std::uint32_t> roots_;
+  std::size_t given_ = 0;
   float detail_ = 0;
 };
 
+/// Returns the standard deviation below which the details of a scene count as points. It depends on the median distance
+/// from the mean, because few splats may lie far away. `box` has all positions.
+[[nodiscard]] float detail_of(const Gaussians& source, const Box& box);
+/// Returns the leaves of Gaussians, which are the first nodes of their trees.
+[[nodiscard]] Forest leaves_of(const Gaussians& source, const Box& box, float detail);
 /// Returns the area of a Gaussian with this covariance, averaged over directions, if its details below `detail` are
 /// blurred.
 [[nodiscard]] float area_of(const std::array<float, 6>& covariance, float detail);

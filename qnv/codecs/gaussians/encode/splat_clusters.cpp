@@ -17,22 +17,12 @@ namespace {
 
 // Room for the bytes of a cluster without its head.
 constexpr std::size_t kMostBytes = kMostClusterBytes - 20, kSpareBytes = 20;
-// Bytes of a chunk that are not those of Gaussians.
-constexpr double kChunkBytes = 60;
 // Errors of a level, relative to those of the next one.
 constexpr float kErrorRatio = 6;
 // A Gaussian for so few leaves is replaced by all of them, and so are all Gaussians of a cluster.
 constexpr std::uint32_t kFewLeaves = 6, kFewLeavesOfCluster = 250;
 // Number of Gaussians of the first cluster, and usual limit of the children of one Gaussian.
 constexpr std::size_t kFirstNodes = 60, kUsualChildren = 16;
-
-/// Cluster that may be divided further.
-struct OpenCluster {
-  ClusterHead head;
-  std::vector<SplatNode> nodes;
-  std::vector<std::uint32_t> places;  // of the nodes in the tree
-  std::shared_ptr<const SplatModels> models;
-};
 
 /// Children of the Gaussians of a cluster, as places in the tree.
 using Children = std::vector<std::vector<std::uint32_t>>;
@@ -42,7 +32,7 @@ struct ReadyCluster {
   EncodedCluster cluster;
   OpenCluster open;
 
-  [[nodiscard]] double use() const { return cluster.gain / (static_cast<double>(cluster.bytes.size()) + kChunkBytes); }
+  [[nodiscard]] double use() const { return use_of(cluster.gain, cluster.bytes.size()); }
 };
 
 /// Puts less useful clusters after others. The order is the same on all machines.
@@ -57,27 +47,38 @@ struct LessUseful {
 /// Encoder of one tree.
 class ClusterEncoder {
  public:
-  ClusterEncoder(const Gaussians& source, const MergeTree& tree, const Precision& precision)
-      : source_(source), tree_(tree), precision_(precision) {}
+  explicit ClusterEncoder(ClusterWork& work)
+      : work_(work), source_(work.source), tree_(work.tree), precision_(work.precision) {}
 
-  /// Encodes all children of a cluster, as one or more clusters. The first one has no identifiers in its head.
-  void divide(const OpenCluster& open, bool first, const std::function<void(std::unique_ptr<ReadyCluster>)>& take) {
-    const Children children = children_of(open, first);
+  /// Encodes all children of some Gaussians of a cluster, as one or more clusters. The first one has no identifiers in
+  /// its head.
+  void divide(const OpenCluster& open, std::size_t begin, std::size_t end, bool first,
+              const std::function<void(std::unique_ptr<ReadyCluster>)>& take) {
+    Children children = children_of(open, begin, end, first);
     if (children.empty()) return;
     std::vector<std::size_t> ends;  // coded bytes after the children of each Gaussian
-    (void)encode(open, first, children, 0, open.nodes.size(), &ends);
+    (void)encode(open, first, children, begin, end, &ends);
     const std::size_t parts = 1 + ends.back() / (kMostBytes - kSpareBytes);
     const std::size_t part = std::min(ends.back() / parts + kSpareBytes, kMostBytes - kSpareBytes / 2);
-    for (std::size_t from = 0; from < open.nodes.size();) {
-      const std::size_t start = from == 0 ? 0 : ends[from - 1];
+    for (std::size_t from = begin; from < end;) {
+      const std::size_t start = from == begin ? 0 : ends[from - begin - 1];
       std::size_t to = from + 1;
-      while (to < open.nodes.size() && ends[to] - start <= part) ++to;
+      while (to < end && ends[to - begin] - start <= part) ++to;
       auto ready = encode(open, first, children, from, to, nullptr);
       while (ready->cluster.bytes.size() > kMostBytes && to > from + 1)
         ready = encode(open, first, children, from, --to, nullptr);
+      if (ready->cluster.bytes.size() > kMostBytes) {
+        children[from] = parts_of(open.places[from], -1, kUsualChildren);
+        ready = encode(open, first, children, from, to, nullptr);
+      }
       from = to;
       if (ready->cluster.replaced > 0) take(std::move(ready));
     }
+  }
+
+  /// Reports whether all Gaussians of a cluster are leaves or given nodes.
+  [[nodiscard]] bool given(const OpenCluster& open) const {
+    return std::ranges::all_of(open.places, [&](std::uint32_t i) { return tree_[i].leaf() || i < tree_.given(); });
   }
 
  private:
@@ -129,7 +130,7 @@ class ClusterEncoder {
       most = kMostChildren;
     }
     std::vector<std::uint32_t> parts{place};
-    const auto error = [&](std::uint32_t i) { return tree_[i].leaf() ? -2.0f : tree_[i].error; };
+    const auto error = [&](std::uint32_t i) { return tree_[i].leaf() || tree_[i].outside() ? -2.0f : tree_[i].error; };
     while (parts.size() < most) {
       const auto worst = std::ranges::max_element(parts, {}, error);
       if (!(error(*worst) > least)) break;
@@ -140,23 +141,25 @@ class ClusterEncoder {
     return parts;
   }
 
-  /// Returns the children of all Gaussians of a cluster; leaves have none. Returns an empty list if all are leaves.
-  [[nodiscard]] Children children_of(const OpenCluster& open, bool first) {
+  /// Returns the children of some Gaussians of a cluster; leaves and the others have none. Returns an empty list if all
+  /// are leaves.
+  [[nodiscard]] Children children_of(const OpenCluster& open, std::size_t begin, std::size_t end, bool first) {
     std::size_t leaves = 0;
-    for (std::size_t i = 0; i < open.nodes.size(); ++i)
+    for (std::size_t i = begin; i < end; ++i)
       if (!open.nodes[i].leaf) leaves += tree_[open.places[i]].leaves;
     if (leaves == 0) return {};
     Children children(open.nodes.size());
     if (first) {
       children[0] = parts_of(open.places[0], 0, kFirstNodes);
-      for (const std::uint32_t place : children[0]) first_error_ = std::max(first_error_, tree_[place].error);
+      for (const std::uint32_t place : children[0]) work_.first_error = std::max(work_.first_error, tree_[place].error);
       return children;
     }
-    const bool last = leaves <= kFewLeavesOfCluster;
-    float least = last ? -1 : first_error_ * std::pow(kErrorRatio, -static_cast<float>(open.head.level + 1));
+    // Small ranges of a large cluster keep their level.
+    const bool last = leaves <= kFewLeavesOfCluster && end - begin == open.nodes.size();
+    float least = last ? -1 : work_.first_error * std::pow(kErrorRatio, -static_cast<float>(open.head.level + 1));
     // If no error is so large, this level takes smaller ones.
-    for (bool any = false; !any; least = least > first_error_ * 1e-12f ? least / kErrorRatio : -1)
-      for (std::size_t i = 0; i < open.nodes.size(); ++i)
+    for (bool any = false; !any; least = least > work_.first_error * 1e-12f ? least / kErrorRatio : -1)
+      for (std::size_t i = begin; i < end; ++i)
         if (!open.nodes[i].leaf) {
           children[i] = parts_of(open.places[i], least, last ? kMostChildren : kUsualChildren);
           any = any || children[i].size() > 1;
@@ -191,8 +194,8 @@ class ClusterEncoder {
         for (std::size_t k = 0; k < codes.size(); ++k) {
           const bool stays = !first && codes.size() == 1;
           cluster.nodes.push_back(stays ? parent : node_of(parent, codes[k], precision_));
-          ready->open.places.push_back(children[i][k]);
-          if (codes[k].leaf) cluster.sources.push_back(tree_[children[i][k]].right);
+          cluster.places.push_back(children[i][k]);
+          cluster.parents.push_back(first ? MergedNode::kNone : open.places[i]);
           cluster.gain -= tree_[children[i][k]].error;
         }
       }
@@ -200,32 +203,40 @@ class ClusterEncoder {
     }
     cluster.bytes = encoder.finish();
     ready->open.nodes = cluster.nodes;
+    ready->open.places = cluster.places;
     ready->open.models = std::move(models);
     return ready;
   }
 
+  ClusterWork& work_;
   const Gaussians& source_;
   const MergeTree& tree_;
   const Precision& precision_;
-  float first_error_ = 0;  // largest error of a Gaussian of the first cluster
 };
 
 }  // namespace
 
-bool encode_clusters(const Gaussians& source, const MergeTree& tree, const Precision& precision,
-                     const std::function<bool(EncodedCluster&&)>& take, Progress* progress) {
-  ClusterEncoder encoder(source, tree, precision);
+bool encode_clusters(ClusterWork& work, std::vector<OpenRange> ranges,
+                     const std::function<bool(EncodedCluster&&)>& take, std::vector<OpenCluster>* given,
+                     Progress* progress) {
+  ClusterEncoder encoder(work);
   std::vector<std::unique_ptr<ReadyCluster>> heap;  // the most useful one is first
   const auto add = [&](std::unique_ptr<ReadyCluster> ready) {
     heap.push_back(std::move(ready));
     std::ranges::push_heap(heap, LessUseful());
   };
-  OpenCluster root;
-  root.nodes = {root_node(precision.box)};
-  root.places = {tree.root()};
-  root.models = std::make_shared<SplatModels>();
-  encoder.divide(root, true, add);
-  for (std::uint32_t id = 0; !heap.empty(); ++id) {
+  if (ranges.empty()) {
+    OpenCluster root;
+    root.nodes = {root_node(work.precision.box)};
+    root.places = {work.tree.root()};
+    root.models = std::make_shared<SplatModels>();
+    encoder.divide(root, 0, 1, true, add);
+  }
+  for (OpenRange& range : ranges) {
+    encoder.divide(range.cluster, range.from, range.to, false, add);
+    range = {};
+  }
+  for (std::uint32_t id = work.first_id; !heap.empty(); ++id) {
     if (is_cancelled(progress)) return false;
     std::ranges::pop_heap(heap, LessUseful());
     const std::unique_ptr<ReadyCluster> ready = std::move(heap.back());
@@ -233,7 +244,10 @@ bool encode_clusters(const Gaussians& source, const MergeTree& tree, const Preci
     ready->cluster.head.id = id;
     ready->open.head = ready->cluster.head;
     if (!take(std::move(ready->cluster))) return true;
-    encoder.divide(ready->open, false, add);
+    if (given && encoder.given(ready->open))
+      given->push_back(std::move(ready->open));
+    else
+      encoder.divide(ready->open, 0, ready->open.nodes.size(), false, add);
   }
   return true;
 }

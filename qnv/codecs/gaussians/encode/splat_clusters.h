@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <vector>
 
 namespace gs::qnv::gaussians {
@@ -15,14 +16,44 @@ struct EncodedCluster {
   ClusterHead head;
   std::vector<std::byte> bytes;        // without the head
   std::vector<SplatNode> nodes;        // as decoded
-  std::vector<std::uint32_t> sources;  // indexes of the Gaussians of the leaves, in order
+  std::vector<std::uint32_t> places;   // of the nodes in the tree
+  std::vector<std::uint32_t> parents;  // places of the nodes that they replace, or kNone; if equal, nodes are unchanged
   double gain = 0;                     // reduction of the squared error
   std::uint32_t replaced = 0;          // number of Gaussians that it replaces
 };
 
-/// Encodes a tree as clusters of at most kMostClusterBytes with their heads, in order of their gain per byte; parents
-/// come first. Ends early if `take` returns false. Returns false if it is cancelled.
-bool encode_clusters(const Gaussians& source, const MergeTree& tree, const Precision& precision,
-                     const std::function<bool(EncodedCluster&&)>& take, Progress* progress);
+/// Returns the order of chunks: reduction of the squared error per byte. Chunks have some bytes besides their payload.
+[[nodiscard]] inline double use_of(double gain, std::size_t bytes) { return gain / (static_cast<double>(bytes) + 60); }
+
+/// Cluster that may be divided further.
+struct OpenCluster {
+  ClusterHead head;
+  std::vector<SplatNode> nodes;
+  std::vector<std::uint32_t> places;  // of the nodes in the tree
+  std::shared_ptr<const SplatModels> models;
+};
+
+/// Consecutive Gaussians of a cluster that is divided.
+struct OpenRange {
+  OpenCluster cluster;
+  std::size_t from = 0, to = 0;
+};
+
+/// Tree to be encoded, and what all trees of a stream share.
+struct ClusterWork {
+  const Gaussians& source;  // of the leaves
+  const MergeTree& tree;
+  const Precision& precision;
+  std::uint32_t first_id = 0;  // identifier of the first cluster
+  float first_error = 0;       // largest error of a Gaussian of the first cluster
+};
+
+/// Encodes the parts of a tree below ranges of Gaussians as clusters of at most kMostClusterBytes with their heads, in
+/// order of their gain per byte; parents come first. Without ranges, encodes the whole tree and sets `first_error`.
+/// Ends early if `take` returns false. Clusters of which all Gaussians are leaves or given nodes go to `given` instead
+/// of being divided, if that is not null. Returns false if it is cancelled.
+bool encode_clusters(ClusterWork& work, std::vector<OpenRange> ranges,
+                     const std::function<bool(EncodedCluster&&)>& take, std::vector<OpenCluster>* given,
+                     Progress* progress);
 
 }  // namespace gs::qnv::gaussians

@@ -18,22 +18,14 @@ std::size_t bytes_of(const Gaussians& all) {
          all.harmonics.size() * sizeof(glm::vec3);
 }
 
-/// Returns a leaf of a block as it was decoded: its codes follow from its numbers.
-SplatNode leaf_of(const Gaussians& all, std::size_t i) {
+/// Returns a Gaussian of a block as it was decoded: its codes follow from its numbers.
+SplatNode node_of_block(const Gaussians& all, std::size_t i, bool leaf) {
   SplatNode node;
   for (std::size_t k = 0; k < 3; ++k)
     node.scales[k] = static_cast<std::int16_t>(scale_code(double{all.scales[i][static_cast<int>(k)]}));
   node.opacity = static_cast<std::uint8_t>(opacity_code(double{all.opacities[i]}));
-  node.leaf = true;
+  node.leaf = leaf;
   return node;
-}
-
-/// Gives a block the coefficients of its leaves, which follow its `inner` Gaussians.
-void put_harmonics(Gaussians& all, std::size_t inner, int degree, const std::vector<glm::vec3>& of_leaves) {
-  if (of_leaves.empty()) return;
-  all.degree = degree;
-  all.harmonics.assign(inner * harmonic_count(degree), glm::vec3(0));
-  all.harmonics.insert(all.harmonics.end(), of_leaves.begin(), of_leaves.end());
 }
 
 }  // namespace
@@ -50,9 +42,42 @@ void append_splat(const SplatNode& node, Gaussians& all) {
 
 std::uint32_t SplatCache::received_harmonics(std::uint32_t cluster) const {
   std::uint32_t count = 0;
-  for (std::uint32_t i = tree_[cluster].harmonics; i != kNoCluster; i = tree_.harmonics(i).next)
-    count += tree_.harmonics(i).present ? 1 : 0;
+  for (std::uint32_t at = cluster; at != kNoCluster; at = tree_[at].parent)
+    for (std::uint32_t i = tree_[at].harmonics; i != kNoCluster; i = tree_.harmonics(i).next)
+      count += tree_.harmonics(i).present ? 1 : 0;
   return count;
+}
+
+void SplatCache::put_harmonics(std::uint32_t cluster, const Entry& own, Gaussians& splats) const {
+  const int degree = chunks_.header().gaussians.degree;
+  const std::size_t per = harmonic_count(degree), inner = own.block.inner;
+  std::vector<SplatNode> leaves, merged;
+  for (std::size_t i = 0; i < splats.size(); ++i)
+    if (i >= inner)
+      leaves.push_back(node_of_block(splats, i, true));
+    else if (!own.origins[i].unchanged)
+      merged.push_back(node_of_block(splats, i, false));
+  const ClusterHarmonics found = chunks_.decode_harmonics(cluster, leaves, merged);
+  const Entry* const parent = entry(tree_[cluster].parent);
+  const Gaussians* const above =
+      parent && parent->block.splats && parent->block.splats->degree > 0 ? parent->block.splats.get() : nullptr;
+  if (found.known_leaves.empty() && found.known_merged.empty() && !above) return;
+  splats.degree = degree;
+  splats.harmonics.assign(per * splats.size(), glm::vec3(0));
+  std::size_t next_merged = 0;
+  for (std::size_t i = 0; i < splats.size(); ++i) {
+    const bool leaf = i >= inner;
+    const bool stays = !leaf && own.origins[i].unchanged;
+    const std::size_t number = leaf ? i - inner : next_merged;
+    if (!leaf && !stays) ++next_merged;
+    const std::vector<bool>& known = leaf ? found.known_leaves : found.known_merged;
+    const glm::vec3* from = nullptr;
+    if (!stays && !known.empty() && known[number])
+      from = (leaf ? found.leaves : found.merged).data() + per * number;
+    else if (above)
+      from = above->harmonics.data() + per * own.origins[i].parent;
+    if (from) std::copy_n(from, per, splats.harmonics.begin() + static_cast<std::ptrdiff_t>(per * i));
+  }
 }
 
 std::unique_ptr<SplatCache::Entry> SplatCache::made(std::uint32_t cluster, std::unique_ptr<SplatState> state) const {
@@ -68,22 +93,28 @@ std::unique_ptr<SplatCache::Entry> SplatCache::made(std::uint32_t cluster, std::
   splats->antialiased = chunks_.header().gaussians.antialiased;
   std::vector<SplatNode> leaves;
   std::vector<std::uint16_t> ranks{0};
-  for (const SplatNode& node : state->nodes) {
+  std::vector<NodeOrigin> of_leaves;
+  const std::uint32_t above = tree_[cluster].parent;
+  for (std::size_t i = 0; i < count; ++i) {
+    const SplatNode& node = state->nodes[i];
     if (node.leaf)
       leaves.push_back(node);
     else
       append_splat(node, *splats);
     ranks.push_back(static_cast<std::uint16_t>(splats->size()));
+    if (state->origins.empty()) continue;
+    NodeOrigin origin = state->origins[i];
+    if (above != kNoCluster) origin.parent = entries_[above]->ranks[origin.parent];
+    (node.leaf ? of_leaves : entry->origins).push_back(origin);
   }
+  entry->origins.insert(entry->origins.end(), of_leaves.begin(), of_leaves.end());
   entry->block.inner = static_cast<std::uint32_t>(splats->size());
   for (const SplatNode& leaf : leaves) append_splat(leaf, *splats);
-  if (chunks_.header().gaussians.degree > 0 && !leaves.empty()) {
+  if (chunks_.header().gaussians.degree > 0) {
     entry->harmonics = received_harmonics(cluster);
-    if (entry->harmonics > 0)
-      put_harmonics(*splats, entry->block.inner, chunks_.header().gaussians.degree,
-                    chunks_.decode_harmonics(cluster, leaves));
+    if (entry->harmonics > 0) put_harmonics(cluster, *entry, *splats);
   }
-  entry->bytes = bytes_of(*splats) + sizeof(Entry);
+  entry->bytes = bytes_of(*splats) + sizeof(Entry) + entry->origins.size() * sizeof(NodeOrigin);
   entry->block.splats = std::move(splats);
   if (entry->block.inner > 0) {
     entry->ranks = std::move(ranks);
@@ -94,11 +125,25 @@ std::unique_ptr<SplatCache::Entry> SplatCache::made(std::uint32_t cluster, std::
   return entry;
 }
 
+// Adds the harmonics that were received since the ancestors of clusters were decoded: new clusters may inherit them.
+void SplatCache::update_parents(std::span<const std::uint32_t> clusters) {
+  if (chunks_.header().gaussians.degree == 0) return;
+  std::vector<std::uint32_t> above;
+  for (const std::uint32_t cluster : clusters)
+    for (std::uint32_t i = tree_[cluster].parent; i != kNoCluster && has(i); i = tree_[i].parent) above.push_back(i);
+  std::ranges::sort(above, [&](std::uint32_t a, std::uint32_t b) {
+    return tree_[a].level != tree_[b].level ? tree_[a].level < tree_[b].level : a < b;
+  });
+  above.erase(std::ranges::unique(above).begin(), above.end());
+  add_harmonics(above);
+}
+
 void SplatCache::decode(std::vector<std::uint32_t> clusters, std::uint64_t now) {
   if (entries_.size() < tree_.size()) entries_.resize(tree_.size());
   std::ranges::sort(clusters, [&](std::uint32_t a, std::uint32_t b) {
     return tree_[a].level != tree_[b].level ? tree_[a].level < tree_[b].level : a < b;
   });
+  update_parents(clusters);
   std::vector<std::unique_ptr<Entry>> results(clusters.size());
   for (std::size_t first = 0, last = 0; first < clusters.size(); first = last) {
     while (last < clusters.size() && tree_[clusters[last]].level == tree_[clusters[first]].level) ++last;
@@ -173,29 +218,30 @@ void SplatCache::size_up(std::uint32_t index) {
 }
 
 void SplatCache::add_harmonics(std::span<const std::uint32_t> clusters) {
-  const int degree = chunks_.header().gaussians.degree;
-  if (degree == 0) return;
+  if (chunks_.header().gaussians.degree == 0) return;
   std::vector<std::uint32_t> changed;
   for (const std::uint32_t i : clusters)
     if (has(i) && entries_[i]->harmonics < received_harmonics(i)) changed.push_back(i);
-  std::vector<std::shared_ptr<Gaussians>> results(changed.size());
-  parallel_for((changed.size() + kClustersPerTask - 1) / kClustersPerTask, [&](std::size_t task) {
-    const std::size_t end = std::min(changed.size(), (task + 1) * kClustersPerTask);
-    for (std::size_t i = task * kClustersPerTask; i < end; ++i) {
-      const Block& before = block(changed[i]);
-      std::vector<SplatNode> leaves;
-      for (std::size_t k = before.inner; k < before.splats->size(); ++k) leaves.push_back(leaf_of(*before.splats, k));
-      results[i] = std::make_shared<Gaussians>(*before.splats);
-      put_harmonics(*results[i], before.inner, degree, chunks_.decode_harmonics(changed[i], leaves));
+  // Gaussians get those of their parents, which must be complete.
+  for (std::size_t first = 0, last = 0; first < changed.size(); first = last) {
+    while (last < changed.size() && tree_[changed[last]].level == tree_[changed[first]].level) ++last;
+    std::vector<std::shared_ptr<Gaussians>> results(last - first);
+    parallel_for((results.size() + kClustersPerTask - 1) / kClustersPerTask, [&](std::size_t task) {
+      const std::size_t end = std::min(results.size(), (task + 1) * kClustersPerTask);
+      for (std::size_t i = task * kClustersPerTask; i < end; ++i) {
+        const std::uint32_t cluster = changed[first + i];
+        results[i] = std::make_shared<Gaussians>(*block(cluster).splats);
+        put_harmonics(cluster, *entries_[cluster], *results[i]);
+      }
+    });
+    for (std::size_t i = 0; i < results.size(); ++i) {
+      Entry& own = *entries_[changed[first + i]];
+      own.harmonics = received_harmonics(changed[first + i]);
+      const std::size_t more = bytes_of(*results[i]) - bytes_of(*own.block.splats);
+      own.bytes += more;
+      bytes_ += more;
+      own.block.splats = std::move(results[i]);
     }
-  });
-  for (std::size_t i = 0; i < changed.size(); ++i) {
-    Entry& own = *entries_[changed[i]];
-    own.harmonics = received_harmonics(changed[i]);
-    const std::size_t more = bytes_of(*results[i]) - bytes_of(*own.block.splats);
-    own.bytes += more;
-    bytes_ += more;
-    own.block.splats = std::move(results[i]);
   }
 }
 

@@ -38,7 +38,7 @@ class SplatCache : NonCopyable {
   void decode(std::vector<std::uint32_t> clusters, std::uint64_t now);
   /// Finds out which of its parent's Gaussians a cluster replaces, and their size, if the parent is decoded.
   void size_up(std::uint32_t cluster);
-  /// Adds the harmonics that were received since the clusters were decoded.
+  /// Adds the harmonics that were received since the clusters were decoded. Parents must be before their children.
   void add_harmonics(std::span<const std::uint32_t> clusters);
 
   /// Marks a cluster as needed by the cut at `now`, so that shrink() keeps its Gaussians.
@@ -61,16 +61,22 @@ class SplatCache : NonCopyable {
     Block block;
     std::unique_ptr<const SplatState> state;
     std::vector<std::uint16_t>
-        ranks;                    // inner Gaussians before each one in the order of the stream; empty if all are leaves
-    std::uint32_t harmonics = 0;  // received chunks of harmonics that the block has
+        ranks;  // inner Gaussians before each one in the order of the stream; empty if all are leaves
+    std::vector<NodeOrigin> origins;  // in the order of the block; parents are indices in the parent's block; empty
+                                      // without harmonics
+    std::uint32_t harmonics = 0;      // received chunks of harmonics that the block has, with those of its ancestors
     std::uint64_t used = 0, state_used = 0;
     std::size_t bytes = 0, state_bytes = 0;
   };
   [[nodiscard]] const Entry* entry(std::uint32_t cluster) const {
     return cluster < entries_.size() ? entries_[cluster].get() : nullptr;
   }
+  /// Returns the number of received chunks of harmonics of a cluster and of its ancestors.
   [[nodiscard]] std::uint32_t received_harmonics(std::uint32_t cluster) const;
+  /// Gives the Gaussians of a block their own harmonics, else those of their parents, if these are decoded.
+  void put_harmonics(std::uint32_t cluster, const Entry& own, Gaussians& splats) const;
   [[nodiscard]] std::unique_ptr<Entry> made(std::uint32_t cluster, std::unique_ptr<SplatState> state) const;
+  void update_parents(std::span<const std::uint32_t> clusters);
   void keep(std::uint32_t cluster, std::unique_ptr<Entry> made, std::uint64_t now);
   void drop_state(std::uint32_t cluster);
   void drop(std::uint32_t cluster);

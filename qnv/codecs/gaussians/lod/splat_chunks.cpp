@@ -119,7 +119,7 @@ bool SplatChunks::note(ChunkType type, std::span<const std::byte> payload, std::
     const std::size_t before = tree_.present();
     return tree_.arrive(packed->head, offset, bytes, why) != kNoCluster && tree_.present() > before;
   }
-  if (type != ChunkType::harmonics) return false;
+  if (!is_harmonics(type)) return false;
   const auto packed = parse_harmonics(payload);
   if (!packed || header_.gaussians.degree == 0) {
     why = "a chunk of harmonics has an invalid head";
@@ -173,7 +173,7 @@ bool SplatChunks::take(ChunkType type, std::span<const std::byte> payload, std::
     (void)store(whole, bytes, kNowhere + restored_++);
   };
   if (type == ChunkType::parity) return !header_.parity || lost_.add(payload, restored);
-  if (type != ChunkType::gaussians && type != ChunkType::harmonics) return type == ChunkType::directory;
+  if (type != ChunkType::gaussians && !is_harmonics(type)) return type == ChunkType::directory;
   const bool good = store(type, payload, offset);
   if (header_.parity) lost_.keep(type, payload, restored);
   return good;
@@ -227,39 +227,50 @@ std::unique_ptr<SplatState> SplatChunks::decode(std::uint32_t index, const Splat
   const std::span<const SplatNode> parents =
       parent ? std::span(parent->nodes).subspan(packed->head.first, packed->head.count) : std::span(&root, 1);
   if (parent) state->models = parent->models;
-  auto nodes = decode_nodes(packed->bytes, parents, parent != nullptr, state->models, precision_);
+  auto nodes = decode_nodes(packed->bytes, parents, parent != nullptr, state->models, precision_,
+                            header_.gaussians.degree > 0 ? &state->origins : nullptr);
   if (!nodes) return nullptr;
+  for (NodeOrigin& origin : state->origins)
+    origin.parent = static_cast<std::uint16_t>(origin.parent + packed->head.first);
   state->nodes = std::move(*nodes);
   return state;
 }
 
-std::vector<glm::vec3> SplatChunks::decode_harmonics(std::uint32_t index, std::span<const SplatNode> leaves) const {
+ClusterHarmonics SplatChunks::decode_harmonics(std::uint32_t index, std::span<const SplatNode> leaves,
+                                               std::span<const SplatNode> merged) const {
   const int degree = header_.gaussians.degree;
   const std::size_t per = harmonic_count(degree);
-  std::vector<glm::vec3> all;
+  ClusterHarmonics all;
   std::vector<std::byte> buffer;
   for (std::uint32_t i = tree_[index].harmonics; i != kNoCluster; i = tree_.harmonics(i).next) {
     const HarmonicsChunk& place = tree_.harmonics(i);
     if (!place.present) continue;
     const auto chunk = read_chunk(*source_, place.offset, place.bytes, buffer);
     const auto* sound = std::get_if<SoundChunk>(&chunk);
-    const auto packed = sound && sound->type == ChunkType::harmonics ? parse_harmonics(sound->payload) : std::nullopt;
+    const auto packed = sound && is_harmonics(sound->type) ? parse_harmonics(sound->payload) : std::nullopt;
     if (!packed || packed->head.cluster != tree_[index].id) continue;
+    const bool coarse = sound->type == ChunkType::coarse_harmonics;
+    const std::span<const SplatNode> nodes = coarse ? merged : leaves;
     const std::size_t first = packed->head.first, last = first + packed->head.count;
-    if (last > leaves.size()) continue;
+    if (last > nodes.size()) continue;
     BinaryDecoder decoder(packed->bytes);
     Reader reader{decoder};
     HarmonicModels models;
     std::array<std::array<int, 3>, harmonic_count(Gaussians::kMaxDegree)> codes{};
     std::vector<glm::vec3> own;
-    for (std::size_t leaf = first; leaf < last && !decoder.exhausted(); ++leaf) {
-      code_harmonics(reader, models, degree, codes);
-      const double step = harmonic_step(leaves[leaf], precision_);
-      for (std::size_t k = 0; k < per; ++k) own.push_back(glm::vec3(rgb_of(codes[k], step)));
+    std::vector<bool> has_own;  // other Gaussians have those of an ancestor
+    for (std::size_t k = first; k < last && !decoder.exhausted(); ++k) {
+      has_own.push_back(code_harmonics(reader, models, degree, codes) || !coarse);
+      const double step = harmonic_step(nodes[k], precision_);
+      for (std::size_t c = 0; c < per; ++c) own.push_back(glm::vec3(rgb_of(codes[c], step)));
     }
     if (decoder.exhausted() || own.size() != per * (last - first)) continue;
-    all.resize(per * leaves.size());
-    std::ranges::copy(own, all.begin() + static_cast<std::ptrdiff_t>(per * first));
+    std::vector<glm::vec3>& values = coarse ? all.merged : all.leaves;
+    std::vector<bool>& known = coarse ? all.known_merged : all.known_leaves;
+    values.resize(per * nodes.size());
+    known.resize(nodes.size());
+    std::ranges::copy(own, values.begin() + static_cast<std::ptrdiff_t>(per * first));
+    std::copy(has_own.begin(), has_own.end(), known.begin() + static_cast<std::ptrdiff_t>(first));
   }
   return all;
 }

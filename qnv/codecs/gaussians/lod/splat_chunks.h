@@ -20,8 +20,15 @@ namespace gs::qnv::gaussians {
 
 /// Everything that the children of a cluster need for decoding.
 struct SplatState {
-  std::vector<SplatNode> nodes;  // in the order of the stream
-  SplatModels models;            // at the end of the cluster
+  std::vector<SplatNode> nodes;     // in the order of the stream
+  std::vector<NodeOrigin> origins;  // parents are indices in the parent cluster; empty without harmonics
+  SplatModels models;               // at the end of the cluster
+};
+
+/// Harmonics of a cluster, as received. The arrays have harmonic_count() coefficients per Gaussian, or are empty.
+struct ClusterHarmonics {
+  std::vector<glm::vec3> leaves, merged;
+  std::vector<bool> known_leaves, known_merged;  // one per Gaussian: received; empty if none is
 };
 
 /// Chunks of a stream of Gaussians, and the tree of their clusters. The stream is in memory, in a file, or still
@@ -47,9 +54,10 @@ class SplatChunks {
   /// Decodes a received cluster. `parent` is the state of its parent; null for the root. Returns null if the bytes are
   /// invalid. May run in several threads at once.
   [[nodiscard]] std::unique_ptr<SplatState> decode(std::uint32_t cluster, const SplatState* parent) const;
-  /// Decodes the received harmonics of a cluster. `leaves` are its leaves, in order. Returns harmonic_count()
-  /// coefficients each, which are 0 if they are not received. Empty if none are. May run in several threads at once.
-  [[nodiscard]] std::vector<glm::vec3> decode_harmonics(std::uint32_t cluster, std::span<const SplatNode> leaves) const;
+  /// Decodes the received harmonics of a cluster. `leaves` are its leaves, and `merged` its other Gaussians that are
+  /// not unchanged, both in the order of the stream.
+  [[nodiscard]] ClusterHarmonics decode_harmonics(std::uint32_t cluster, std::span<const SplatNode> leaves,
+                                                  std::span<const SplatNode> merged) const;
 
   /// Chunk that is received, for readers that decode all of them.
   struct Received {
@@ -57,7 +65,7 @@ class SplatChunks {
     std::uint64_t offset = 0;
     std::uint32_t bytes = 0;
   };
-  /// Returns all received chunks: parents before their children, harmonics last.
+  /// Returns all received chunks: parents before their children, harmonics of both types last, with the same type.
   [[nodiscard]] std::vector<Received> received() const;
   [[nodiscard]] const std::shared_ptr<const ChunkSource>& source() const { return source_; }
 

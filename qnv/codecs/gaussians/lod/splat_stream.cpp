@@ -25,7 +25,7 @@ Gaussians WholeSplats::decode(std::size_t most) const {
   for (const auto& place : chunks_) {
     const auto chunk = read_chunk(*source_, place.offset, place.bytes, buffer);
     const auto* sound = std::get_if<SoundChunk>(&chunk);
-    if (sound && sound->type == place.type) decoder->add(sound->type, sound->payload, {});
+    if (sound && is_harmonics(sound->type) == is_harmonics(place.type)) decoder->add(sound->type, sound->payload, {});
   }
   Geometry all = decoder->geometry({header_.description, header_.color});
   return std::move(*all.as<Gaussians>());
@@ -54,7 +54,8 @@ SplatStream::Opened SplatStream::begin(std::span<const std::byte> front) {
 }
 
 void SplatStream::set_limits(const SplatLimits& limits) {
-  cutter_.set_most_splats(std::max<std::size_t>(limits.cut_bytes / bytes_of_splat(header().gaussians.degree), 1));
+  const std::size_t most = limits.cut_bytes / bytes_of_splat(header().gaussians.degree);
+  cutter_.set_most_splats(std::clamp<std::size_t>(most, 1, limits.cut_splats));
   cache_.set_most_bytes(limits.cache_bytes);
   chunks_.set_most_bytes(limits.arrived_bytes);
 }

@@ -100,6 +100,35 @@ TEST_CASE("opens the first step of a local series, and names the file that is mi
   CHECK(said(none).find("s2.wrl") != std::string::npos);
 }
 
+TEST_CASE("opens the steps of a series of meshes of other programs, as STL and OBJ") {
+  const ScratchFolder folder;
+  for (int step = 0; step < 2; ++step) {
+    const std::string x = step == 0 ? "1" : "2.25";
+    (void)folder.write("m" + std::to_string(step) + ".stl",
+                       "solid m\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex " + x +
+                           " 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid m\n");
+    (void)folder.write("m" + std::to_string(step) + ".obj", "v 0 0 0\nv " + x + " 0 0\nv 0 1 0\nf 1 2 3\n");
+  }
+  for (const std::string extension : {"stl", "obj"}) {
+    INFO(extension);
+    const std::string path =
+        folder.write("m." + extension + ".series", R"({"file-series-version": "1.0", "files": [{"name": "m0.)" +
+                                                       extension + R"(", "time": 0}, {"name": "m1.)" + extension +
+                                                       R"(", "time": 2}]})");
+    std::vector<std::size_t> sizes;
+    for (std::uint32_t step = 0; step < 2; ++step) {
+      LoadOptions options;
+      options.component.step = qnv::ShownStep{step, {}};
+      const LoadedWorld world = load_world(path, options);
+      CHECK(said(world).empty());
+      REQUIRE(world.scene);
+      CHECK(world.steps == TimeSteps{{0, 2}, step});
+      sizes.push_back(world.bytes);
+    }
+    CHECK(sizes[1] == sizes[0] + 3);  // of the file of the step
+  }
+}
+
 TEST_CASE("reads no series in a series, and no step outside of its folder") {
   const ScratchFolder folder;
   const auto naming = [](const std::string& name) {

@@ -138,6 +138,25 @@ TEST_CASE("a partial file receives several parts at once and none twice") {
   for (const ByteSpan& part : parts) CHECK(remote.content(part.offset, 500) == slices_part(part.offset, 500));
 }
 
+TEST_CASE("a partial file joins ranges with short gaps after requests have taken long for their bytes") {
+  const Remote remote([](const net::TransferRequest& request, unsigned) {
+    net::MemoryAnswer answer = net::answer_well(slices_resource(), request);
+    answer.latency = net::Milliseconds(20);
+    return answer;
+  });
+  const auto requests_of_parts = [&](std::uint64_t first) {
+    std::vector<ByteSpan> parts;
+    constexpr std::uint64_t kParts = 60, kGap = 9'500;
+    for (std::uint64_t i = 0; i < kParts; ++i) parts.push_back({first + i * kGap, 100});
+    const std::size_t before = remote.network->transfers().size();
+    CHECK(remote.file->need(parts));
+    return remote.network->transfers().size() - before;
+  };
+  REQUIRE(remote.need(0, 4'000'000));
+  CHECK(requests_of_parts(5'000'000) == 60);
+  CHECK(requests_of_parts(8'000'000) < 30);
+}
+
 TEST_CASE("a partial file reports a change on the server once and reads nothing more") {
   const Remote remote([](const net::TransferRequest& request, unsigned) {
     net::MemoryResource resource = slices_resource();
@@ -177,7 +196,9 @@ TEST_CASE("a volume on a server is shown without most of its bytes") {
   network->put("memory://a/slices.nrrd", slices_resource());
   const LoadedWorld world = load_world("memory://a/slices.nrrd", options_for(network));
   CHECK(texts_of(world.diagnostics).empty());
-  CHECK(asked_bytes(*network, slices_file().size()) < slices_file().size() * 2 / 3);
+  const std::uint64_t asked = asked_bytes(*network, slices_file().size());
+  CHECK(asked < slices_file().size() * 2 / 3);
+  CHECK(world.received() == asked);
   REQUIRE(world.geometries.size() == 1);
   const auto* const volume = world.geometries.begin()->second->as<qnv::Volume>();
   REQUIRE(volume);
@@ -207,6 +228,7 @@ TEST_CASE("a volume that changes on its server gives one message") {
   const LoadedWorld world = load_world("memory://a/slices.nrrd", options_for(network));
   CHECK(world.diagnostics.entries().size() == 1);
   CHECK_THAT(texts_of(world.diagnostics), Catch::Contains("the file changed on the server"));
+  CHECK(world.truncated);
 }
 
 TEST_CASE("a short volume on a server is read as a whole") {

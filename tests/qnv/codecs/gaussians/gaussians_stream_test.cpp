@@ -375,10 +375,10 @@ TEST_CASE("decoders of Gaussians refuse hostile heads and headers") {
   CHECK(decoder.vectors() == 0);
 }
 
-// encode_gaussians once wrote tests/qnv/vectors/v1/gaussians_cloud.qnv and _part. gaussians_decode.py, written from
-// FORMAT.md alone, made the .txt files. Never regenerate any.
+// encode_gaussians once wrote tests/qnv/vectors/v1/gaussians_cloud.qnv, _part and _coarse. gaussians_decode.py, written
+// from FORMAT.md alone, made the .txt files. Never regenerate any.
 TEST_CASE("decodes pinned streams of Gaussians bit for bit") {
-  for (const std::string name : {"gaussians_cloud", "gaussians_part"}) {
+  for (const std::string name : {"gaussians_cloud", "gaussians_part", "gaussians_coarse"}) {
     const Bytes bytes = read_bytes(name + ".qnv");
     const Gaussians found = decoded(bytes);
     const std::size_t per = harmonic_count(found.degree);

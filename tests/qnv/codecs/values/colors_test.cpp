@@ -237,11 +237,13 @@ TEST_CASE("colors: Hostile headers and chunks give colours or are refused") {
     decoder.finish();
     if (decoder.header()) CHECK(decoder.geometry().as<Volume>() != nullptr);
   }
-  for (std::size_t at = 0; at < stream.bytes.size(); at += watched_step(53)) {
+  // A smaller stream, because each split point decodes all of it three times.
+  const EncodedStream small = stream_of(painted(oblique(11, 9, 8), 3, 1, 9));
+  for (std::size_t at = 0; at < small.bytes.size(); at += watched_step(53)) {
     StreamDecoder decoder;
-    (void)decoder.push(std::span(stream.bytes).first(at));
+    (void)decoder.push(std::span(small.bytes).first(at));
     (void)decoder.geometry();
-    (void)decoder.push(std::span(stream.bytes).subspan(at));
+    (void)decoder.push(std::span(small.bytes).subspan(at));
     decoder.finish();
     REQUIRE(decoder.geometry().as<Volume>()->values->exact);
   }

@@ -177,7 +177,7 @@ TEST_CASE("components: Readers show one component, or the length of the vector")
 }
 
 TEST_CASE("components: Every prefix, split point and flipped bit leaves a valid volume") {
-  const VolumeSource source = whirl_of<std::uint8_t>(oblique(12, 9, 7), VoxelType::u8, 3, 100, 120);
+  const VolumeSource source = whirl_of<std::uint8_t>(oblique(9, 6, 5), VoxelType::u8, 3, 100, 120);
   const EncodedStream stream = stream_of(source);
   const auto truth = values_in(source.components[1]);
   for (std::size_t at = 0; at <= stream.bytes.size(); at += watched_step(7)) {

@@ -1,4 +1,4 @@
-#include "app/session/live/small_request.h"
+#include "app/loading/fetch/small_request.h"
 
 #include "net/base/url.h"
 #include "net/load/loader.h"
@@ -10,8 +10,8 @@
 
 namespace gs::app {
 
-SmallAnswer small_request(net::Request request, bool head_only, const LoadOptions& load,
-                          const std::atomic<bool>& stop) {
+SmallAnswer small_request(net::Request request, bool head_only, const LoadOptions& load, const std::atomic<bool>& stop,
+                          std::uint64_t most_bytes) {
   std::mutex mutex;
   std::condition_variable news;
   bool woken = false;
@@ -26,8 +26,7 @@ SmallAnswer small_request(net::Request request, bool head_only, const LoadOption
     news.notify_one();
   };
   const auto loader = net::Loader::create(std::move(options));
-  constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 20;
-  if (!head_only) request.max_bytes = kMostBytes;
+  if (!head_only) request.max_bytes = most_bytes;
   request.cache = net::CacheUse::never_store;
   (void)loader->request(std::move(request));
   SmallAnswer answer;

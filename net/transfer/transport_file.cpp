@@ -1,6 +1,6 @@
 #include "net/base/descriptor.h"
 #include "net/base/url.h"
-#include "net/load/local_transport.h"
+#include "net/transfer/local_transport.h"
 
 #include <algorithm>
 #include <array>

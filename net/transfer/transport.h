@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/noncopyable.h"
-#include "net/load/load_types.h"
+#include "net/transfer/load_types.h"
 
 namespace gs::net {
 
@@ -18,14 +18,14 @@ using TransferId = std::uint64_t;
 
 /// Attempt to load one range of one resource.
 struct TransferRequest {
-  std::string url;  // has a fragment only if the scheme is data:
+  std::string url;                 // has a fragment only if the scheme is data:
   std::optional<ByteRange> range;  // nullopt means the whole resource; the range may have an open end
-  std::string if_range;  // send the range only if this version is current, else everything
+  std::string if_range;            // send the range only if this version is current, else everything
   std::string if_none_match;       // request status 304 if the resource still has this version
   std::string if_modified_since;   // request status 304 if the resource has not changed since this date
   std::string accept;
-  bool post = false;          // as Request::post
-  std::string authorization;  // as Request::authorization
+  bool post = false;                           // as Request::post
+  std::string authorization;                   // as Request::authorization
   AddressSpace reach = AddressSpace::special;  // most private space in which the host may be
   std::string within;  // ssh: path of the folder that links in the path must not leave; empty means no limit
 };

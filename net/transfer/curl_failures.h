@@ -4,7 +4,7 @@
 
 #include <curl/curl.h>
 
-#include "net/load/transport.h"
+#include "net/transfer/transport.h"
 
 namespace gs::net {
 

@@ -1,4 +1,4 @@
-#include "net/load/curl_failures.h"
+#include "net/transfer/curl_failures.h"
 
 namespace gs::net {
 

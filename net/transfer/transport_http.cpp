@@ -15,9 +15,9 @@
 #include "net/http/http_headers.h"
 #include "net/http/http_proxy.h"
 #include "net/limits/shared_rate.h"
-#include "net/load/curl_failures.h"
-#include "net/load/ssh_transfers.h"
-#include "net/load/transport.h"
+#include "net/transfer/curl_failures.h"
+#include "net/transfer/ssh_transfers.h"
+#include "net/transfer/transport.h"
 
 namespace gs::net {
 namespace {

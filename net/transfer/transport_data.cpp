@@ -1,5 +1,5 @@
 #include "net/base/hexadecimal.h"
-#include "net/load/local_transport.h"
+#include "net/transfer/local_transport.h"
 
 #include <algorithm>
 

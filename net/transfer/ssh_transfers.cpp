@@ -1,4 +1,4 @@
-#include "net/load/ssh_transfers.h"
+#include "net/transfer/ssh_transfers.h"
 
 #include <utility>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "net/load/transport.h"
+#include "net/transfer/transport.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "net/load/transport.h"
 #include "net/ssh/ssh_link.h"
+#include "net/transfer/transport.h"
 
 #include <sys/socket.h>
 

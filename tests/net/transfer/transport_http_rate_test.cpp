@@ -3,7 +3,7 @@
 #include <map>
 #include <set>
 
-#include "net/load/transport.h"
+#include "net/transfer/transport.h"
 #include "tests/net/bad_server.h"
 #include "tests/net/load_helpers.h"
 

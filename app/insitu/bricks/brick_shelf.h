@@ -1,0 +1,98 @@
+#pragma once
+
+#include "app/insitu/bricks/pyramid.h"
+#include "app/insitu/bricks/zarr_container.h"
+#include "base/noncopyable.h"
+#include "net/serve/http_server.h"
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace gs::app::insitu {
+
+/// Grid of a step that rank 0 serves. Its chunks are made when viewers request them.
+struct ServedGrid {
+  std::uint64_t serial = 0;  // number of the kept step, equal on all ranks
+  std::string container;     // name of its folder, such as "heat.000120.zarr"
+  Pyramid pyramid;
+  ZarrGrid grid;
+  float rounding = 0;  // maximum change of values while chunks are encoded
+  double max_error = 0;
+  std::uint32_t thinning = 1;
+  /// Reads a chunk of this process. Null if ranks send the chunks. Any thread.
+  std::function<void(const Chunk& chunk, std::vector<float>& values)> read;
+  /// Chunks of the overview, if ranks have sent them.
+  std::map<Chunk, std::vector<float>> received;
+};
+
+/// Chunk that viewers requested from a step.
+struct WantedChunk {
+  std::uint64_t serial = 0;
+  Chunk chunk;
+};
+
+/// Encoded and requested chunks of the two newest steps, on rank 0. Used by the server's thread, which encodes, and by
+/// the simulation's thread, which delivers the chunks of other ranks.
+class BrickShelf : NonCopyable {
+ public:
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::size_t kMaxSteps = 2;
+  static constexpr std::size_t kMaxEncodedBytes = std::size_t{4} << 20;
+
+  /// Limits of the work for viewers. Both functions are called by the server's thread.
+  struct Share {
+    std::function<bool()> permits;                                  // reports whether a chunk may be encoded now
+    std::function<void(double seconds, std::size_t bytes)> charge;  // receives the processor time of an encoded chunk
+  };
+  explicit BrickShelf(Share share) : share_(std::move(share)) {}
+
+  /// Makes a step the newest one, and drops the step before the last one.
+  void put(ServedGrid grid);
+  /// Drops all steps but the newest one, so that the memory of the others can be used again.
+  void drop_older();
+  /// Returns the content of a path of a container. It is `waiting` until other ranks have sent the chunk, and until the
+  /// share permits to encode it. Server's thread.
+  [[nodiscard]] net::HeldContent content(const std::string& path);
+  /// Returns chunks for which viewers wait, oldest first, and notes that the ranks send them.
+  [[nodiscard]] std::vector<WantedChunk> take_wanted(std::size_t most);
+  /// Receives a chunk of other ranks. Drops it if nobody waits for it.
+  void deliver(const WantedChunk& wanted, std::vector<float> values);
+
+  /// Reports whether a viewer has requested the overview of the newest step; true if there is no step.
+  [[nodiscard]] bool is_seen() const;
+  /// Reports whether viewers refine a step: a chunk is requested, or was during the last half second. The newest step
+  /// is then kept for at most five seconds.
+  [[nodiscard]] bool is_busy(Clock::time_point now) const;
+
+ private:
+  struct Slot {
+    ServedGrid grid;
+    std::map<Chunk, std::string> encoded;
+    std::set<Chunk> wanted, sent;  // requested by viewers; requested from ranks
+    Clock::time_point begun{};
+    bool seen = false;
+  };
+  [[nodiscard]] Slot* find(std::uint64_t serial);
+  [[nodiscard]] Slot take_oldest();
+  [[nodiscard]] net::HeldContent chunk_content(std::unique_lock<std::mutex>& lock, const std::string& container,
+                                               const Chunk& chunk);
+  void drop_encoded();
+
+  const Share share_;
+  mutable std::mutex mutex_;       // guards the members below
+  std::deque<Slot> slots_;         // newest last
+  std::deque<WantedChunk> order_;  // of the encoded chunks, oldest first
+  std::size_t encoded_bytes_ = 0;
+  Clock::time_point refined_{};  // time of the last request for a chunk below the overview
+};
+
+}  // namespace gs::app::insitu

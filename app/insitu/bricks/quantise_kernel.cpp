@@ -1,0 +1,140 @@
+// Loops over all values of a block, once per step. Compiled with full optimisation.
+#include "app/insitu/bricks/quantise.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#if defined(__x86_64__)
+#include <emmintrin.h>
+#endif
+
+namespace gs::app::insitu {
+namespace {
+
+constexpr float kLargestFloat = std::numeric_limits<float>::max();
+
+std::int16_t code_of(float value, float offset, float inverse, FiniteRange& range) {
+  if (!(std::abs(value) <= kLargestFloat)) return kMissingCode;
+  range.low = std::min(range.low, value);
+  range.high = std::max(range.high, value);
+  return static_cast<std::int16_t>(std::lrint(std::clamp((value - offset) * inverse, -kMaxCode, kMaxCode)));
+}
+
+#if defined(__x86_64__)
+
+// Range of the values in each of four lanes.
+struct LaneRange {
+  explicit LaneRange(const FiniteRange& range) : low(_mm_set1_ps(range.low)), high(_mm_set1_ps(range.high)) {}
+  // Extends the range by values; returns a mask of those that are finite.
+  __m128 include(__m128 value) {
+    const __m128 size = _mm_andnot_ps(_mm_set1_ps(-0.0f), value);
+    const __m128 finite = _mm_cmple_ps(size, _mm_set1_ps(kLargestFloat));
+    const __m128 known = _mm_and_ps(finite, value);
+    const __m128 infinity = _mm_set1_ps(std::numeric_limits<float>::infinity());
+    low = _mm_min_ps(low, _mm_or_ps(known, _mm_andnot_ps(finite, infinity)));
+    high = _mm_max_ps(high, _mm_or_ps(known, _mm_andnot_ps(finite, _mm_sub_ps(_mm_setzero_ps(), infinity))));
+    return finite;
+  }
+  void put(FiniteRange& range) const {
+    alignas(16) float lows[4], highs[4];
+    _mm_store_ps(lows, low);
+    _mm_store_ps(highs, high);
+    range.low = *std::min_element(lows, lows + 4);
+    range.high = *std::max_element(highs, highs + 4);
+  }
+  __m128 low, high;
+};
+
+#endif
+
+}  // namespace
+
+CodeScale scale_of(const FiniteRange& range) {
+  if (range.empty()) return {};
+  constexpr float kRoom = 1.25f;
+  const float offset = range.low + (range.high - range.low) / 2;
+  const float quantum = (range.high - range.low) * (kRoom / (2 * kMaxCode));
+  return {offset, std::isfinite(quantum) ? quantum : 0};
+}
+
+void floats_of_doubles(const double* from, std::size_t count, float* to) {
+  std::size_t i = 0;
+#if defined(__x86_64__)
+  for (; i + 4 <= count; i += 4)
+    _mm_storeu_ps(to + i,
+                  _mm_movelh_ps(_mm_cvtpd_ps(_mm_loadu_pd(from + i)), _mm_cvtpd_ps(_mm_loadu_pd(from + i + 2))));
+#endif
+  for (; i < count; ++i) to[i] = static_cast<float>(from[i]);
+}
+
+void quantise(const float* from, std::size_t count, const CodeScale& scale, std::int16_t* to, FiniteRange& range) {
+  const float inverse = scale.quantum > 0 ? 1 / scale.quantum : 0;
+  std::size_t i = 0;
+#if defined(__x86_64__)
+  LaneRange lanes(range);
+  const __m128 offset = _mm_set1_ps(scale.offset), factor = _mm_set1_ps(inverse);
+  const __m128i missing = _mm_set1_epi32(kMissingCode);
+  const auto codes = [&](const float* at) {
+    const __m128 value = _mm_loadu_ps(at);
+    const __m128i finite = _mm_castps_si128(lanes.include(value));
+    const __m128i code = _mm_cvtps_epi32(_mm_mul_ps(_mm_sub_ps(value, offset), factor));
+    return _mm_or_si128(_mm_and_si128(finite, code), _mm_andnot_si128(finite, missing));
+  };
+  for (; i + 8 <= count; i += 8)
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(to + i), _mm_packs_epi32(codes(from + i), codes(from + i + 4)));
+  lanes.put(range);
+#endif
+  for (; i < count; ++i) to[i] = code_of(from[i], scale.offset, inverse, range);
+}
+
+void measure(const float* from, std::size_t count, FiniteRange& range) {
+  std::size_t i = 0;
+#if defined(__x86_64__)
+  LaneRange lanes(range);
+  for (; i + 4 <= count; i += 4) (void)lanes.include(_mm_loadu_ps(from + i));
+  lanes.put(range);
+#endif
+  for (; i < count; ++i) (void)code_of(from[i], 0, 0, range);
+}
+
+void dequantise(const std::int16_t* from, std::size_t step, std::size_t count, const CodeScale& scale, float* to) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::int16_t code = from[i * step];
+    to[i] = code == kMissingCode ? std::numeric_limits<float>::quiet_NaN()
+                                 : scale.offset + static_cast<float>(code) * scale.quantum;
+  }
+}
+
+void round_within(float* values, std::size_t count, float error) {
+  if (!(error > 0) || !std::isfinite(error)) return;
+  // Multiples of 2^n are at most 2^(n-1) from each value.
+  const float step = std::exp2(std::floor(std::log2(2 * error)));
+  const float inverse = 1 / step;
+  if (!(step > 0) || !std::isfinite(inverse)) return;
+  constexpr float kMostSteps = 4'194'304;  // larger values have no digits below the step
+  std::size_t i = 0;
+#if defined(__x86_64__)
+  for (; i + 4 <= count; i += 4) {
+    const __m128 value = _mm_loadu_ps(values + i), scaled = _mm_mul_ps(value, _mm_set1_ps(inverse));
+    const __m128 small = _mm_cmplt_ps(_mm_andnot_ps(_mm_set1_ps(-0.0f), scaled), _mm_set1_ps(kMostSteps));
+    const __m128 rounded = _mm_mul_ps(_mm_cvtepi32_ps(_mm_cvtps_epi32(scaled)), _mm_set1_ps(step));
+    _mm_storeu_ps(values + i, _mm_or_ps(_mm_and_ps(small, rounded), _mm_andnot_ps(small, value)));
+  }
+#endif
+  for (; i < count; ++i)
+    if (std::abs(values[i] * inverse) < kMostSteps) values[i] = std::nearbyint(values[i] * inverse) * step;
+}
+
+void shuffle_floats(const float* from, std::size_t count, std::uint8_t* to) {
+  std::uint8_t *first = to, *second = to + count, *third = to + 2 * count, *last = to + 3 * count;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto bits = std::bit_cast<std::uint32_t>(from[i]);
+    first[i] = static_cast<std::uint8_t>(bits);
+    second[i] = static_cast<std::uint8_t>(bits >> 8);
+    third[i] = static_cast<std::uint8_t>(bits >> 16);
+    last[i] = static_cast<std::uint8_t>(bits >> 24);
+  }
+}
+
+}  // namespace gs::app::insitu

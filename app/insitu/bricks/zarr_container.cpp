@@ -1,0 +1,128 @@
+#include "app/insitu/bricks/zarr_container.h"
+
+#include "app/insitu/bricks/quantise.h"
+#include "base/json_value.h"
+
+#include <zstd.h>
+
+#include <charconv>
+#include <cstddef>
+#include <new>
+#include <utility>
+#include <vector>
+
+namespace gs::app::insitu {
+namespace {
+
+constexpr std::string_view kContainerEnd = ".zarr/", kMetadataName = "zarr.json";
+constexpr std::size_t kSampleBytes = sizeof(float);
+
+std::optional<std::uint32_t> whole_number(std::string_view text) {
+  std::uint32_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+// Lists have the order z, y, x, as the dimensions of the arrays.
+template <class Values>
+JsonValue slow_first(const Values& values) {
+  return JsonValue::list({values[2], values[1], values[0]});
+}
+
+JsonValue step_named(const char* name, JsonValue configuration) {
+  return JsonValue::named({{"name", name}, {"configuration", std::move(configuration)}});
+}
+
+JsonValue level_json(const Pyramid& pyramid, const ZarrGrid& grid, std::uint32_t level) {
+  JsonValue attributes = JsonValue::named({});
+  if (!grid.unit.empty()) attributes.put("units", grid.unit);
+  return JsonValue::named(
+      {{"zarr_format", 3},
+       {"node_type", "array"},
+       {"shape", slow_first(pyramid.size(level))},
+       {"data_type", "float32"},
+       {"chunk_grid",
+        step_named("regular", JsonValue::named({{"chunk_shape", slow_first(pyramid.chunk_shape(level))}}))},
+       {"chunk_key_encoding", step_named("default", JsonValue::named({{"separator", "."}}))},
+       {"fill_value", "NaN"},
+       {"codecs", JsonValue::list({step_named("bytes", JsonValue::named({{"endian", "little"}})),
+                                   step_named("numcodecs.shuffle", JsonValue::named({{"elementsize", kSampleBytes}})),
+                                   step_named("zstd", JsonValue::named({{"level", 1}, {"checksum", false}}))})},
+       {"dimension_names", JsonValue::list({"z", "y", "x"})},
+       {"attributes", std::move(attributes)}});
+}
+
+}  // namespace
+
+std::optional<ZarrName> parse_zarr_name(std::string_view path) {
+  const std::size_t end = path.find(kContainerEnd);
+  if (end == std::string_view::npos) return std::nullopt;
+  ZarrName name;
+  name.container = path.substr(0, end + kContainerEnd.size() - 1);
+  std::string_view rest = path.substr(end + kContainerEnd.size());
+  if (rest == kMetadataName) return name;
+  const std::size_t slash = rest.find('/');
+  if (slash == std::string_view::npos) return std::nullopt;
+  name.level = whole_number(rest.substr(0, slash));
+  rest.remove_prefix(slash + 1);
+  if (!name.level) return std::nullopt;
+  if (rest == kMetadataName) return name;
+  if (!rest.starts_with("c.")) return std::nullopt;
+  Chunk chunk{*name.level, {}};
+  rest.remove_prefix(2);
+  for (std::size_t a = 3; a-- > 0;) {
+    const std::size_t dot = a > 0 ? rest.find('.') : rest.size();
+    const auto number = dot == std::string_view::npos ? std::nullopt : whole_number(rest.substr(0, dot));
+    if (!number) return std::nullopt;
+    chunk.index[a] = *number;
+    rest.remove_prefix(a > 0 ? dot + 1 : dot);
+  }
+  name.chunk = chunk;
+  return name;
+}
+
+std::string zarr_group(const Pyramid& pyramid, const ZarrGrid& grid) {
+  JsonValue levels = JsonValue::named({}), datasets = JsonValue::list();
+  for (std::uint32_t level = 0; level < pyramid.levels(); ++level) {
+    std::array<double, 3> spacing = grid.spacing;
+    for (double& one : spacing) one *= static_cast<double>(std::uint64_t{1} << level);
+    levels.put(std::to_string(level), level_json(pyramid, grid, level));
+    datasets.add(JsonValue::named(
+        {{"path", std::to_string(level)},
+         {"coordinateTransformations",
+          JsonValue::list({JsonValue::named({{"type", "scale"}, {"scale", slow_first(spacing)}}),
+                           JsonValue::named({{"type", "translation"}, {"translation", slow_first(grid.origin)}})})}}));
+  }
+  JsonValue axes = JsonValue::list();
+  for (const char* axis : {"z", "y", "x"}) axes.add(JsonValue::named({{"name", axis}, {"type", "space"}}));
+  JsonValue image =
+      JsonValue::named({{"name", grid.field}, {"axes", std::move(axes)}, {"datasets", std::move(datasets)}});
+  return JsonValue::named(
+             {{"zarr_format", 3},
+              {"node_type", "group"},
+              {"attributes",
+               JsonValue::named({{"ome", JsonValue::named({{"version", "0.5"},
+                                                           {"multiscales", JsonValue::list({std::move(image)})}})}})},
+              {"consolidated_metadata",
+               JsonValue::named({{"kind", "inline"}, {"must_understand", false}, {"metadata", std::move(levels)}})}})
+      .json();
+}
+
+std::string zarr_level(const Pyramid& pyramid, const ZarrGrid& grid, std::uint32_t level) {
+  return level_json(pyramid, grid, level).json();
+}
+
+std::string encode_chunk(std::span<float> values, float error) {
+  round_within(values.data(), values.size(), error);
+  std::vector<std::uint8_t> bytes(values.size() * kSampleBytes);
+  shuffle_floats(values.data(), values.size(), bytes.data());
+  std::string packed(ZSTD_compressBound(bytes.size()), '\0');
+  const std::size_t size = ZSTD_compress(packed.data(), packed.size(), bytes.data(), bytes.size(), 1);
+  if (ZSTD_isError(size) != 0) throw std::bad_alloc();  // the only failure with enough room
+  packed.resize(size);
+  packed.shrink_to_fit();
+  return packed;
+}
+
+}  // namespace gs::app::insitu

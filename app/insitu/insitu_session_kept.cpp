@@ -1,0 +1,111 @@
+// Grids that ranks keep, and chunks of them that viewers request.
+#include "app/insitu/insitu_session.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace gs::app::insitu {
+namespace {
+
+/// Range and error of the values that a rank keeps.
+struct KeptFacts {
+  FiniteRange range;
+  float error = 0;
+};
+
+}  // namespace
+
+bool InSituSession::share_permits() const { return options_.max_share <= 0 || own() <= options_.max_share * now(); }
+
+StepPlan InSituSession::make_plan(std::span<const RankFacts> all) {
+  const std::string chosen = parameters_.field();
+  PlanWishes wishes;
+  wishes.all_fields = !options_.folder.empty();
+  wishes.field = chosen.empty() ? options_.field : chosen;
+  // Files are complete. Without them, nothing is encoded before a viewer requests it.
+  wishes.keep = options_.folder.empty();
+  // Without a large error, codes of 16 bits may not suffice.
+  constexpr double kErrorOfCodes = 1e-4;
+  wishes.kept_bytes = options_.error > 0 || options_.relative_error < kErrorOfCodes ? sizeof(float) : 2;
+  wishes.serial = serial_ + 1;
+  const std::uint64_t most =
+      options_.thin && !wishes.keep ? pace_.affordable_bytes(steps_ - 1, now(), own()) : UINT64_MAX;
+  wishes.max_memory = std::min(options_.max_memory, most);
+  wishes.max_records = options_.max_memory;
+  return plan_step(all, wishes);
+}
+
+bool InSituSession::keep_step(const StepPlan& plan, StepData& data) {
+  if (publisher_) publisher_->drop_older();
+  std::shared_ptr<KeptField> field;
+  if (kept_.size() >= kKeptSteps) {
+    field = std::move(kept_.front());
+    kept_.pop_front();
+  }
+  // The server's thread may still read it.
+  if (!field || field.use_count() > 1) field = std::make_shared<KeptField>();
+  const ErrorBound bound{options_.error, options_.relative_error};
+  field->keep(blocks_, plan, bound, kept_range_);
+  kept_range_ = field->range();
+  kept_.push_back(field);
+
+  const KeptFacts own_kept{field->range(), field->error()};
+  std::vector<KeptFacts> all(ranks_.is_first() ? static_cast<std::size_t>(ranks_.count()) : 0);
+  if (!ranks_.gather(&own_kept, sizeof own_kept, all.data())) return false;
+  const Pyramid& pyramid = field->pyramid();
+  std::map<Chunk, std::vector<float>> overview;
+  if (ranks_.count() > 1) {
+    const std::vector<Chunk> chunks = pyramid.chunks(pyramid.overview());
+    const std::vector<const KeptField*> sources(chunks.size(), field.get());
+    if (!gather_chunks(ranks_, sources, chunks, [&](std::size_t number, std::vector<float> values) {
+          overview[chunks[number]] = std::move(values);
+        }))
+      return false;
+  }
+  if (!ranks_.is_first()) return true;
+  KeptFacts whole;
+  for (const KeptFacts& one : all) {
+    whole.range.low = std::min(whole.range.low, one.range.low);
+    whole.range.high = std::max(whole.range.high, one.range.high);
+    whole.error = std::max(whole.error, one.error);
+  }
+  serial_ = plan.serial;
+  data.served = std::make_shared<ServedGrid>();
+  ServedGrid& served = *data.served;
+  served.serial = plan.serial;
+  served.pyramid = pyramid;
+  served.thinning = plan.kept_thinning;
+  served.max_error = bound.of(whole.range);
+  // Viewers draw gradients of values, which would show the steps of coarser values.
+  served.rounding = std::max(static_cast<float>(served.max_error) - whole.error, 0.0F) / 4;
+  served.grid.field = plan.kept_field.name.data();
+  served.grid.unit = plan.kept_field.unit.data();
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double spacing = plan.grid.spacing[a];
+    served.grid.spacing[a] = spacing * plan.kept_thinning;
+    served.grid.origin[a] = plan.grid.origin[a] + spacing * static_cast<double>(plan.grid.whole[2 * a]);
+    const bool flat = plan.grid.whole[2 * a] == plan.grid.whole[2 * a + 1];
+    if (plan.kept_field.of_cells != 0 && !flat) served.grid.origin[a] += spacing / 2;
+  }
+  served.received = std::move(overview);
+  if (ranks_.count() == 1)
+    served.read = [field](const Chunk& chunk, std::vector<float>& values) { field->read(chunk, values); };
+  return true;
+}
+
+bool InSituSession::send_chunks(std::span<const WantedChunk> wanted) {
+  if (wanted.empty()) return true;
+  std::vector<Chunk> chunks;
+  std::vector<const KeptField*> sources;
+  for (const WantedChunk& one : wanted) {
+    const auto found = std::ranges::find(kept_, one.serial, [](const auto& field) { return field->serial(); });
+    const KeptField* const field = found == kept_.end() ? nullptr : found->get();
+    chunks.push_back(one.chunk);
+    sources.push_back(field && field->pyramid().contains(one.chunk) ? field : nullptr);
+  }
+  return gather_chunks(ranks_, sources, chunks, [&](std::size_t number, std::vector<float> values) {
+    publisher_->deliver(wanted[number], std::move(values));
+  });
+}
+
+}  // namespace gs::app::insitu

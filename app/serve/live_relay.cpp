@@ -1,0 +1,116 @@
+#include "app/serve/live_relay.h"
+
+#include "app/loading/updates/live_data.h"
+#include "net/base/url.h"
+#include "net/control/live_file.h"
+#include "net/serve/served_folder.h"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+namespace gs::app {
+namespace {
+
+using RelayClock = std::chrono::steady_clock;
+
+constexpr std::uint64_t kMostRelayedBytes = std::uint64_t{256} << 20;
+constexpr std::size_t kMostRelayed = 64;
+// Time for which a received resource is kept: streams and chunks never change, others do.
+constexpr std::chrono::milliseconds kKeptSteady{10'000}, kKeptChanging{200};
+
+bool is_steady(const std::string& resource) {
+  return resource.ends_with(".qnv") || resource.find(".zarr/") != std::string::npos;
+}
+
+std::string relayed_type(const std::string& resource) {
+  if (resource.empty()) return "model/vrml";
+  if (resource.ends_with(".json")) return "application/json";
+  return resource.ends_with(".qnv") ? "model/x-qnv" : "application/octet-stream";
+}
+
+// Returns the URL of a resource on the server that a file names; "" if the file is invalid or the server is elsewhere.
+std::string url_of_live(const net::LiveFile& file, const std::string& resource) {
+  const std::string address = net::address_of_live(file, net::name_of_machine());
+  if (address.empty()) return {};
+  std::string url = "http://" + address;
+  for (std::size_t begin = 0; begin <= resource.size();) {
+    const std::size_t end = std::min(resource.find('/', begin), resource.size());
+    url += "/" + net::encode_name(resource.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return url;
+}
+
+}  // namespace
+
+std::optional<LivePath> live_path(std::string_view path) {
+  for (std::size_t at = path.find(kLiveFileEnding); at != std::string_view::npos;
+       at = path.find(kLiveFileEnding, at + 1)) {
+    const std::size_t end = at + kLiveFileEnding.size();
+    if (end < path.size() && path[end] == '/' && at > 0 && path[at - 1] != '/')
+      return LivePath{(path.starts_with('/') ? "" : "/") + std::string(path.substr(0, end)),
+                      std::string(path.substr(end + 1))};
+  }
+  return std::nullopt;
+}
+
+net::HeldContent LiveRelay::content(const net::ContentRequest& request) {
+  using State = net::HeldContent::State;
+  const auto path = live_path(request.path);
+  if (!path) return {};
+  // The document of a simulation may read below its file only.
+  if (!request.within.empty() && !live_path(request.within)) return {};
+  drop_old();
+  const auto found = pending_.find(request.path);
+  if (found == pending_.end()) {
+    if (pending_.size() >= kMostRelayed) return {State::waiting, {}, {}};
+    auto file = net::read_live_file(path->file);
+    const auto* const known = std::get_if<net::LiveFile>(&file);
+    const std::string url = known ? url_of_live(*known, path->resource) : std::string();
+    if (url.empty()) return {};
+    net::Request wanted;
+    wanted.url = url;
+    pending_[request.path].coming = std::async(std::launch::async, [this, wanted = std::move(wanted)] {
+      SmallAnswer answer = small_request(wanted, false, load_, stop_, kMostRelayedBytes);
+      wake_();
+      return answer;
+    });
+    return {State::waiting, {}, {}};
+  }
+  Pending& pending = found->second;
+  if (!pending.body) {
+    if (pending.coming.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return {State::waiting, {}, {}};
+    SmallAnswer answer = pending.coming.get();
+    pending.body = answer.problem.empty() ? std::move(answer.body) : std::string();
+    pending.until =
+        RelayClock::now() + (is_steady(path->resource) && !pending.body->empty() ? kKeptSteady : kKeptChanging);
+  }
+  if (pending.body->empty()) return {};
+  return {State::ready, relayed_type(path->resource), *pending.body};
+}
+
+void LiveRelay::drop_old() {
+  const auto now = RelayClock::now();
+  std::erase_if(pending_, [now](const auto& one) { return one.second.body && now > one.second.until; });
+}
+
+net::PostAnswer LiveRelay::post(const net::PostRequest& request) {
+  const net::Url parsed = net::parse_url("http://localhost" + request.path);
+  const auto path = live_path(net::path_of_url(parsed));
+  if (!path) return {405, "only the parameters of a simulation can be changed"};
+  auto file = net::read_live_file(path->file);
+  if (const auto* const problem = std::get_if<std::string>(&file)) return {404, *problem};
+  const auto& known = std::get<net::LiveFile>(file);
+  net::Request wanted;
+  wanted.url = url_of_live(known, path->resource);
+  if (wanted.url.empty()) return {404, "the simulation listens on another machine, for that machine only"};
+  if (!request.query.empty()) wanted.url += "?" + request.query;
+  wanted.post = true;
+  wanted.authorization = "Bearer " + known.token;
+  const SmallAnswer answer = small_request(std::move(wanted), false, load_, stop_);
+  if (!answer.problem.empty()) return {400, answer.problem};
+  return {200, "ok"};
+}
+
+}  // namespace gs::app

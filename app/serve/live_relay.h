@@ -1,0 +1,54 @@
+#pragma once
+
+#include "app/loading/fetch/small_request.h"
+#include "base/noncopyable.h"
+#include "net/serve/http_server.h"
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <future>
+#include <map>
+#include <string>
+#include <string_view>
+
+namespace gs::app {
+
+/// Connection of `serve --stdio` to running simulations of its user (docs/insitu.md). Below a file NAME.live, it serves
+/// the resources of the server that the file names. Changes of parameters get the token of the file. Used by one
+/// thread; requests run on other threads.
+class LiveRelay : NonCopyable {
+ public:
+  /// `wake` is called on other threads when content is ready.
+  explicit LiveRelay(std::function<void()> wake) : wake_(std::move(wake)) {}
+  ~LiveRelay() { stop_ = true; }
+
+  /// Returns a resource of a simulation. Refuses requests of documents that may read more than the simulation, because
+  /// a file of another origin could name any server.
+  [[nodiscard]] net::HeldContent content(const net::ContentRequest& request);
+  /// Changes parameters of a simulation, with a path such as "/home/ann/run/NAME.live/parameters".
+  [[nodiscard]] net::PostAnswer post(const net::PostRequest& request);
+
+ private:
+  struct Pending {
+    std::future<SmallAnswer> coming;
+    std::optional<std::string> body;  // nullopt until the answer was received; empty after a failure
+    std::chrono::steady_clock::time_point until{};
+  };
+  void drop_old();
+
+  const std::function<void()> wake_;
+  const LoadOptions load_;
+  std::atomic<bool> stop_{false};
+  std::map<std::string, Pending> pending_;  // by path
+};
+
+/// Path of a resource below a file of a simulation.
+struct LivePath {
+  std::string file, resource;  // "/home/ann/run/heat.live", "insitu.json"
+};
+/// Splits a path such as "home/ann/run/heat.live/insitu.json". Returns nullopt if no name of a folder in it has the
+/// ending of such files.
+[[nodiscard]] std::optional<LivePath> live_path(std::string_view path);
+
+}  // namespace gs::app

@@ -1,0 +1,90 @@
+#pragma once
+
+#include "base/box.h"
+#include "qnv/codecs/gaussians/encode/harmonics_chunks.h"
+#include "qnv/codecs/gaussians/encode/splat_clusters.h"
+#include "qnv/codecs/shared/spill_store.h"
+#include "qnv/codecs/shared/stream_writer.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace gs::qnv::gaussians {
+
+/// Encoded chunk of a stream without its bytes.
+struct ChunkRecord {
+  std::uint64_t offset = 0;  // of the bytes in the store
+  std::uint32_t bytes = 0;   // without the head
+  ChunkType type = ChunkType::gaussians;
+  std::uint32_t level = 0;
+  std::uint32_t parent = ClusterHead::kNoParent;  // record of the replaced cluster, or of the cluster of harmonics
+  std::uint32_t first = 0, count = 0;             // as in the head
+  std::uint32_t vectors = 0, replaced = 0;
+  double gain = 0;  // reduction of the squared error
+  Box box;
+};
+
+/// Store of bytes for several threads. Any thread.
+class SharedStore {
+ public:
+  explicit SharedStore(SpillStore& store) : store_(store) {}
+
+  /// Adds bytes. Returns their offset, or nullopt if they cannot be stored.
+  [[nodiscard]] std::optional<std::uint64_t> add(std::span<const std::byte> bytes);
+  [[nodiscard]] bool read(std::uint64_t offset, std::span<std::byte> to) const;
+  [[nodiscard]] std::string problem() const;
+
+ private:
+  SpillStore& store_;
+  mutable std::mutex mutex_;
+};
+
+/// Records of the chunks of one tree, in the order in which they were encoded. One thread.
+class ChunkRecords {
+ public:
+  /// The chunks of clusters before `first_id` are in other records.
+  ChunkRecords(SharedStore& store, std::uint32_t first_id) : store_(store), first_id_(first_id) {}
+
+  /// Adds a cluster and its harmonics. Returns false if the store is full.
+  [[nodiscard]] bool add(const EncodedCluster& cluster, std::span<const EncodedHarmonics> harmonics, const Box& box);
+  /// Returns the identifier after that of the last cluster.
+  [[nodiscard]] std::uint32_t end_id() const { return first_id_ + static_cast<std::uint32_t>(clusters_.size()); }
+  /// Appends the records to others. `clusters` are the places of the records of the clusters before `first_id`; the
+  /// first call sets them.
+  void append_to(std::vector<ChunkRecord>& all, std::vector<std::uint32_t>& clusters) const;
+
+ private:
+  SharedStore& store_;
+  std::uint32_t first_id_;
+  std::vector<ChunkRecord> records_;     // parents are identifiers of clusters
+  std::vector<std::uint32_t> clusters_;  // records of the clusters from first_id_ on
+};
+
+/// Chunks of a stream in their order: the most useful first, but clusters before those that need them.
+class OrderedChunks final : public ChunkList {
+ public:
+  /// Parents of `records` are places in `records`. Further clusters end when `most_vectors` Gaussians are shown; 0
+  /// means never.
+  OrderedChunks(std::vector<ChunkRecord> records, std::size_t most_vectors, const SharedStore& store);
+
+  [[nodiscard]] std::size_t size() const override { return order_.size(); }
+  [[nodiscard]] std::optional<OutgoingChunk> chunk(std::size_t i) const override;
+
+ private:
+  void find_order(std::size_t most_vectors);
+  void add_gains();
+
+  std::vector<ChunkRecord> records_;
+  std::vector<std::uint32_t> ids_, order_;  // identifiers of the clusters by record; records in the order of the stream
+  const SharedStore& store_;
+};
+
+/// Returns the bounds of Gaussians, cut by the box of the stream.
+[[nodiscard]] Box bounds_of(std::span<const SplatNode> nodes, const Box& whole);
+
+}  // namespace gs::qnv::gaussians

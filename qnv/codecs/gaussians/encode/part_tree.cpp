@@ -1,0 +1,109 @@
+#include "qnv/codecs/gaussians/encode/part_tree.h"
+
+#include <algorithm>
+#include <type_traits>
+#include <utility>
+
+namespace gs::qnv::gaussians {
+namespace {
+
+static_assert(std::is_trivially_copyable_v<MergedNode>);
+
+/// Appends a splat of another scene with the same degree.
+void append_splat(Gaussians& to, const Gaussians& from, std::size_t i) {
+  const std::size_t per = harmonic_count(from.degree);
+  to.degree = from.degree;
+  to.positions.push_back(from.positions[i]);
+  to.scales.push_back(from.scales[i]);
+  to.rotations.push_back(from.rotations[i]);
+  to.opacities.push_back(from.opacities[i]);
+  to.bases.push_back(from.bases[i]);
+  for (std::size_t k = 0; k < per; ++k) to.harmonics.push_back(from.harmonics[i * per + k]);
+}
+
+}  // namespace
+
+std::optional<StoredTree> store_tree(const MergeTree& tree, SharedStore& store) {
+  const auto merged = tree.nodes().subspan(tree.given());
+  const auto offset = store.add(std::as_bytes(merged));
+  return offset ? std::optional(StoredTree{*offset, merged.size(), tree.roots()}) : std::nullopt;
+}
+
+std::optional<MergeTree> read_tree(const StoredTree& stored, const Gaussians& source, float detail,
+                                   const SharedStore& store) {
+  std::vector<MergedNode> nodes = leaves_of(source, source.description.box, detail).nodes;
+  const std::size_t leaves = nodes.size();
+  nodes.resize(leaves + stored.merged);
+  if (!store.read(stored.offset, std::as_writable_bytes(std::span(nodes).subspan(leaves)))) return std::nullopt;
+  return MergeTree(std::move(nodes), stored.roots, leaves, detail);
+}
+
+PartTop top_of(const MergeTree& tree, const Gaussians& source, std::size_t most) {
+  const auto less = [&](std::uint32_t a, std::uint32_t b) {
+    const float p = tree[a].leaf() ? -1 : tree[a].error, q = tree[b].leaf() ? -1 : tree[b].error;
+    return p != q ? p < q : a > b;
+  };
+  std::vector<std::uint32_t> heap = tree.roots(), above;
+  std::ranges::make_heap(heap, less);
+  while (heap.size() < most && !tree[heap.front()].leaf()) {
+    const std::uint32_t worst = heap.front();
+    std::ranges::pop_heap(heap, less);
+    heap.back() = tree[worst].left;
+    std::ranges::push_heap(heap, less);
+    heap.push_back(tree[worst].right);
+    std::ranges::push_heap(heap, less);
+    above.push_back(worst);
+  }
+  // Children have smaller places than their parents.
+  PartTop top;
+  top.places = heap;
+  top.places.insert(top.places.end(), above.begin(), above.end());
+  std::ranges::sort(top.places);
+  std::ranges::sort(above);
+  const auto at = [&](std::uint32_t place) {
+    return static_cast<std::uint32_t>(std::ranges::lower_bound(top.places, place) - top.places.begin());
+  };
+  const MeanHarmonics means(tree, source);
+  top.leaves.degree = source.degree;
+  for (const std::uint32_t place : top.places) {
+    MergedNode node = tree[place];
+    if (node.leaf()) {
+      append_splat(top.leaves, source, node.right);
+      node.right = static_cast<std::uint32_t>(top.leaves.size() - 1);
+    } else if (std::ranges::binary_search(above, place)) {
+      node.left = at(node.left);
+      node.right = at(node.right);
+    } else {
+      node.left = node.right = MergedNode::kOutside;
+    }
+    top.forest.box.add(node.blob.mean);
+    top.forest.nodes.push_back(node);
+    const auto own = means.of(place);
+    top.harmonics.insert(top.harmonics.end(), own.begin(), own.end());
+  }
+  for (const std::uint32_t root : tree.roots()) top.forest.roots.push_back(at(root));
+  return top;
+}
+
+void TopForest::add(PartTop top) {
+  const auto first = static_cast<std::uint32_t>(forest.nodes.size());
+  const auto first_leaf = static_cast<std::uint32_t>(leaves.size());
+  const std::uint32_t part = origins.empty() ? 0 : origins.back().part + 1;
+  leaves.degree = top.leaves.degree;
+  for (std::size_t i = 0; i < top.leaves.size(); ++i) append_splat(leaves, top.leaves, i);
+  for (MergedNode node : top.forest.nodes) {
+    if (node.leaf()) {
+      node.right += first_leaf;
+    } else if (!node.outside()) {
+      node.left += first;
+      node.right += first;
+    }
+    forest.box.add(node.blob.mean);
+    forest.nodes.push_back(node);
+  }
+  for (const std::uint32_t root : top.forest.roots) forest.roots.push_back(first + root);
+  for (const std::uint32_t place : top.places) origins.push_back({part, place});
+  harmonics.insert(harmonics.end(), top.harmonics.begin(), top.harmonics.end());
+}
+
+}  // namespace gs::qnv::gaussians

@@ -1,0 +1,53 @@
+#pragma once
+
+#include "qnv/codecs/gaussians/encode/chunk_store.h"
+#include "qnv/codecs/gaussians/encode/harmonics_chunks.h"
+#include "qnv/codecs/gaussians/encode/merge_tree.h"
+
+#include <glm/vec3.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace gs::qnv::gaussians {
+
+/// Trees of one part of a scene, in a store without their leaves.
+struct StoredTree {
+  std::uint64_t offset = 0;
+  std::size_t merged = 0;  // number of stored nodes
+  std::vector<std::uint32_t> roots;
+};
+[[nodiscard]] std::optional<StoredTree> store_tree(const MergeTree& tree, SharedStore& store);
+/// Reads trees. `source` must have the splats of the part. Returns nullopt if that is not possible.
+[[nodiscard]] std::optional<MergeTree> read_tree(const StoredTree& stored, const Gaussians& source, float detail,
+                                                 const SharedStore& store);
+
+/// Nodes at the top of the trees of a part.
+struct PartTop {
+  Forest forest;                      // nodes without children in it are outside
+  std::vector<std::uint32_t> places;  // of the nodes in the trees of the part
+  Gaussians leaves;                   // splats of the nodes that are leaves
+  std::vector<glm::vec3> harmonics;   // of the nodes
+};
+/// Returns the top `most` nodes that stand for all others, with the nodes above them: those with the largest errors are
+/// replaced by their children.
+[[nodiscard]] PartTop top_of(const MergeTree& tree, const Gaussians& source, std::size_t most);
+
+/// Forest of the tops of all parts.
+struct TopForest {
+  /// Place of a node in the trees of a part.
+  struct Origin {
+    std::uint32_t part = 0, place = 0;
+  };
+  Forest forest;
+  std::vector<Origin> origins;  // of the nodes
+  Gaussians leaves;
+  std::vector<glm::vec3> harmonics;  // of the nodes
+
+  void add(PartTop top);
+};
+
+}  // namespace gs::qnv::gaussians

@@ -1,0 +1,236 @@
+#include "qnv/codecs/gaussians/encode/parted_encoder.h"
+
+#include "qnv/codecs/gaussians/encode/part_tree.h"
+#include "qnv/codecs/gaussians/encode/splat_parts.h"
+#include "qnv/codecs/gaussians/encode/stream_plan.h"
+
+#include <algorithm>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+namespace gs::qnv::gaussians {
+namespace {
+
+// Number of splats that decide the cells and the plan.
+constexpr std::size_t kSampled = std::size_t{1} << 18;
+// Share of the largest part that cells have by the sample, because it is not exact.
+constexpr double kUsualShare = 0.85;
+// Merged Gaussians that a part leaves to the common tree, and those of which the common tree knows the children. With
+// the latter, clusters at the border of both have Gaussians of few parts.
+constexpr std::size_t kRoots = 256, kTop = 1024;
+// Memory for parts at the same time, unless the options say more.
+constexpr std::size_t kUsualMemory = std::size_t{400} << 20;
+// Peak memory for a splat of a part without and for each coefficient of the harmonics.
+constexpr std::size_t kSplatBytes = 600, kHarmonicBytes = 16;
+
+/// Part of the scene with the results of each stage.
+struct Part {
+  StoredPart splats;
+  StoredTree tree;
+  PartTop top;
+  std::vector<OpenRange> ranges;
+  std::unique_ptr<ChunkRecords> records;
+};
+
+/// Encoder of one scene.
+class PartedEncoder {
+ public:
+  PartedEncoder(const GaussianSource& source, std::size_t most, const EncodeOptions& options, Progress* progress)
+      : source_(source),
+        most_(std::max<std::size_t>(most, 1)),
+        options_(options),
+        progress_(progress),
+        store_(options.spill ? *options.spill : memory_) {}
+
+  std::variant<EncodedStream, EncodeError> run() {
+    begin_stage("reading", 2 * source_.count);
+    if (!survey() || !divide()) return problem();
+    begin_stage("encoding", 2 * source_.count);
+    if (!for_parts([this](std::size_t i) { return build_tree(i); })) return problem();
+    for (Part& part : parts_) top_.add(std::exchange(part.top, {}));
+    if (!encode_top()) return problem();
+    if (!for_parts([this](std::size_t i) { return encode_part(i); })) return problem();
+    std::vector<ChunkRecord> records;
+    std::vector<std::uint32_t> clusters;
+    top_records_.append_to(records, clusters);
+    for (Part& part : parts_) {
+      part.records->append_to(records, clusters);
+      part.records = nullptr;
+    }
+    begin_stage("writing", 0);
+    return write_chunks(std::move(plan_.header), std::move(records), store_, options_);
+  }
+
+ private:
+  /// Keeps the first problem. Returns false.
+  bool fail(EncodeError problem) {
+    const std::scoped_lock lock(mutex_);
+    if (!problem_) problem_ = std::move(problem);
+    return false;
+  }
+  bool fail_to_store() { return fail({store_.problem()}); }
+  [[nodiscard]] EncodeError problem() {
+    if (is_cancelled(progress_)) return {"cancelled"};
+    const std::scoped_lock lock(mutex_);
+    return problem_.value_or(EncodeError{"cannot read the splats"});
+  }
+
+  void begin_stage(const char* stage, std::uint64_t total) {
+    if (!progress_) return;
+    progress_->stage = stage;
+    progress_->done = 0;
+    progress_->total = total;
+  }
+  void advance(std::uint64_t splats) {
+    if (progress_) progress_->done += splats;
+  }
+
+  /// Reads all splats: checks them, and finds their box, a sample and the plan.
+  bool survey() {
+    const std::uint64_t every = std::max<std::uint64_t>(1, source_.count / kSampled);
+    Gaussians sample;
+    Box box;
+    std::uint64_t read = 0;
+    const bool good = source_.read([&](const Gaussians& splats) {
+      if (is_cancelled(progress_)) return false;
+      if (auto found = problem_of(splats, read)) return fail(std::move(*found));
+      for (std::size_t i = 0; i < splats.size(); ++i, ++read) {
+        box.add(splats.positions[i]);
+        if (read % every != 0) continue;
+        sample.positions.push_back(splats.positions[i]);
+        sample.scales.push_back(splats.scales[i]);
+        sample.opacities.push_back(splats.opacities[i]);
+      }
+      advance(splats.size());
+      return true;
+    });
+    if (!good) return false;
+    if (sample.empty()) return fail({"the source has no Gaussians; expected at least one"});
+    plan_ = plan_of(source_, sample, box, options_);
+    const double share = kUsualShare * static_cast<double>(most_) / static_cast<double>(every);
+    cells_ = std::make_unique<SpaceCells>(std::move(sample.positions), static_cast<std::size_t>(share));
+    return true;
+  }
+
+  /// Reads all splats, and stores them by parts.
+  bool divide() {
+    PartWriter writer(*cells_, source_.degree, most_, store_);
+    const bool good = source_.read([&](const Gaussians& splats) {
+      if (is_cancelled(progress_)) return false;
+      if (!writer.add(splats)) return fail_to_store();
+      advance(splats.size());
+      return true;
+    });
+    if (!good) return false;
+    auto stored = writer.finish();
+    if (!stored) return fail_to_store();
+    parts_.resize(stored->size());
+    for (std::size_t i = 0; i < stored->size(); ++i) parts_[i].splats = std::move((*stored)[i]);
+    return true;
+  }
+
+  /// Calls work(i) for all parts, several at the same time if memory permits. Returns false if a call does.
+  template <class Work>
+  bool for_parts(const Work& work) {
+    const std::size_t each = most_ * (kSplatBytes + kHarmonicBytes * harmonic_count(source_.degree));
+    const std::size_t fit = std::max<std::size_t>(1, (options_.memory ? options_.memory : kUsualMemory) / each);
+    const unsigned cores = options_.threads ? options_.threads : std::max(1u, std::thread::hardware_concurrency());
+    const auto threads = static_cast<unsigned>(std::min<std::size_t>(cores, fit));
+    std::atomic<bool> good{true};
+    const bool done = parallel_for(
+        parts_.size(),
+        [&](std::size_t i) {
+          if (good && !work(i)) good = false;
+        },
+        threads, progress_);
+    return done && good;
+  }
+
+  bool build_tree(std::size_t i) {
+    Part& part = parts_[i];
+    const auto splats = read_part(part.splats, source_.degree, store_);
+    if (!splats) return fail_to_store();
+    Forest leaves = leaves_of(*splats, splats->description.box, plan_.detail);
+    const auto tree = MergeTree::join(std::move(leaves), plan_.detail, kRoots, 1, progress_);
+    if (!tree) return false;
+    auto stored = store_tree(*tree, store_);
+    if (!stored) return fail_to_store();
+    part.tree = std::move(*stored);
+    part.top = top_of(*tree, *splats, kTop);
+    advance(part.splats.splats);
+    return true;
+  }
+
+  /// Joins the tops of the parts, encodes the clusters above them, and gives the others to the parts.
+  bool encode_top() {
+    const auto tree = MergeTree::join(std::move(top_.forest), plan_.detail, 1, options_.threads, progress_);
+    if (!tree) return false;
+    ClusterWork work{top_.leaves, *tree, plan_.precision};
+    const MeanHarmonics harmonics(*tree, top_.leaves, std::move(top_.harmonics));
+    std::vector<OpenCluster> given;
+    if (!encode_chunks(work, {}, harmonics, options_, top_records_, &given, progress_)) return fail_to_store();
+    first_error_ = work.first_error;
+    first_id_ = top_records_.end_id();
+    for (const OpenCluster& cluster : given) add_ranges(cluster);
+    return true;
+  }
+
+  /// Divides a cluster of given nodes into runs of Gaussians of one part.
+  void add_ranges(const OpenCluster& cluster) {
+    const std::size_t count = cluster.nodes.size();
+    const auto part_at = [&](std::size_t i) { return top_.origins[cluster.places[i]].part; };
+    for (std::size_t from = 0; from < count;) {
+      while (from < count && cluster.nodes[from].leaf) ++from;
+      if (from == count) return;
+      std::size_t to = from + 1;
+      while (to < count && (cluster.nodes[to].leaf || part_at(to) == part_at(from))) ++to;
+      OpenRange range{cluster, from, to};
+      for (std::size_t i = from; i < to; ++i) range.cluster.places[i] = top_.origins[cluster.places[i]].place;
+      parts_[part_at(from)].ranges.push_back(std::move(range));
+      from = to;
+    }
+  }
+
+  bool encode_part(std::size_t i) {
+    Part& part = parts_[i];
+    part.records = std::make_unique<ChunkRecords>(store_, first_id_);
+    if (!part.ranges.empty()) {
+      const auto splats = read_part(part.splats, source_.degree, store_);
+      const auto tree = splats ? read_tree(part.tree, *splats, plan_.detail, store_) : std::nullopt;
+      if (!tree) return fail_to_store();
+      const MeanHarmonics harmonics(*tree, *splats);
+      ClusterWork work{*splats, *tree, plan_.precision, first_id_, first_error_};
+      if (!encode_chunks(work, std::exchange(part.ranges, {}), harmonics, options_, *part.records, nullptr, progress_))
+        return fail_to_store();
+    }
+    advance(part.splats.splats);
+    return true;
+  }
+
+  const GaussianSource& source_;
+  std::size_t most_;
+  const EncodeOptions& options_;
+  Progress* progress_;
+  MemoryStore memory_;
+  SharedStore store_;
+  StreamPlan plan_;
+  std::unique_ptr<SpaceCells> cells_;
+  std::vector<Part> parts_;
+  TopForest top_;
+  ChunkRecords top_records_{store_, 0};
+  float first_error_ = 0;
+  std::uint32_t first_id_ = 0;  // of the clusters of parts
+  std::mutex mutex_;
+  std::optional<EncodeError> problem_;
+};
+
+}  // namespace
+
+std::variant<EncodedStream, EncodeError> encode_in_parts(const GaussianSource& source, std::size_t most,
+                                                         const EncodeOptions& options, Progress* progress) {
+  return PartedEncoder(source, most, options, progress).run();
+}
+
+}  // namespace gs::qnv::gaussians

@@ -1,0 +1,75 @@
+#pragma once
+
+#include "qnv/codecs/gaussians/encode/chunk_store.h"
+#include "qnv/codecs/shared/gaussian_source.h"
+
+#include <glm/vec3.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace gs::qnv::gaussians {
+
+/// Division of space into boxes with similar numbers of splats: a tree of planes along the axes (k-d tree).
+class SpaceCells {
+ public:
+  /// Divides until each box has at most `most` of the positions.
+  SpaceCells(std::vector<glm::vec3> positions, std::size_t most);
+
+  [[nodiscard]] std::size_t size() const { return cells_; }
+  [[nodiscard]] std::size_t cell_of(const glm::vec3& position) const;
+
+ private:
+  struct Plane {
+    int axis = -1;  // of a cell: -1
+    float at = 0;
+    std::uint32_t below = 0, above = 0;  // planes; of a cell, `below` is its number
+  };
+  std::uint32_t divide(std::span<glm::vec3> positions, std::size_t most);
+
+  std::vector<Plane> planes_;
+  std::size_t cells_ = 0;
+};
+
+/// Splats of one part of a scene, in a store.
+struct StoredPart {
+  struct Block {
+    std::uint64_t offset = 0;
+    std::uint32_t splats = 0;
+  };
+  std::vector<Block> blocks;
+  std::size_t splats = 0;
+};
+
+/// Writer of splats to a store, by parts. A part has the splats of one cell, at most `most`; a cell with more splats
+/// has several parts. One thread.
+class PartWriter {
+ public:
+  PartWriter(const SpaceCells& cells, int degree, std::size_t most, SharedStore& store);
+
+  /// Adds splats. Returns false if the store is full.
+  [[nodiscard]] bool add(const Gaussians& splats);
+  /// Ends the parts and returns them, or nullopt if the store is full.
+  [[nodiscard]] std::optional<std::vector<StoredPart>> finish();
+
+ private:
+  struct Open {
+    std::vector<float> floats;
+    StoredPart part;
+  };
+  bool flush(Open& open);
+
+  const SpaceCells& cells_;
+  std::size_t per_, most_;  // harmonics of a splat; splats of a part
+  SharedStore& store_;
+  std::vector<Open> open_;  // by cell
+  std::vector<StoredPart> done_;
+};
+
+/// Reads the splats of a part with their box. Returns nullopt if that is not possible.
+[[nodiscard]] std::optional<Gaussians> read_part(const StoredPart& part, int degree, const SharedStore& store);
+
+}  // namespace gs::qnv::gaussians

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "qnv/base/geometry.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+
+namespace gs::qnv {
+
+/// Gaussians that are read in pieces, so that they may exceed memory.
+struct GaussianSource {
+  GeometryBase base;  // the box may be empty
+  int degree = 0;
+  bool antialiased = false;
+  std::uint64_t count = 0;  // number of Gaussians
+  /// Passes all Gaussians to `take`, in pieces of any size. Each call passes the same Gaussians in the same order. Only
+  /// positions, scales, rotations, opacities, bases and harmonics are used. Returns false if `take` returned false, or
+  /// if reading failed.
+  std::function<bool(const std::function<bool(const Gaussians&)>& take)> read;
+};
+
+}  // namespace gs::qnv

@@ -1,0 +1,51 @@
+#include "app/insitu/bricks/zarr_container.h"
+
+#include <catch2/catch.hpp>
+
+#include <vector>
+
+namespace gs::app::insitu {
+namespace zarr_container_test {
+
+TEST_CASE("in situ container: paths name the group, a level or a chunk, with x last") {
+  const auto group = parse_zarr_name("heat.000120.zarr/zarr.json");
+  REQUIRE(group);
+  CHECK(group->container == "heat.000120.zarr");
+  CHECK_FALSE(group->level);
+  const auto level = parse_zarr_name("a.zarr/3/zarr.json");
+  REQUIRE(level);
+  CHECK(level->level == 3U);
+  CHECK_FALSE(level->chunk);
+  const auto chunk = parse_zarr_name("a.zarr/1/c.4.5.6");
+  REQUIRE(chunk);
+  CHECK(chunk->chunk == Chunk{1, {6, 5, 4}});
+}
+
+TEST_CASE("in situ container: other paths are no parts of a container") {
+  for (const char* path :
+       {"", "zarr.json", "a.zarr", "a.zarr/", "a.zarr/zarr", "a.zarr/1", "a.zarr/1/", "a.zarr/x/zarr.json",
+        "a.zarr/1/c", "a.zarr/1/c.1.2", "a.zarr/1/c.1.2.3.4", "a.zarr/1/c.1.-2.3", "a.zarr/1/c.1..3",
+        "a.zarr/1/c.1.2.3 ", "a.zarr/99999999999/zarr.json", "a.zarr/-1/c.0.0.0", "a.zarr/.zattrs"}) {
+    INFO(path);
+    CHECK_FALSE(parse_zarr_name(path));
+  }
+}
+
+TEST_CASE("in situ container: the metadata name shapes, spacings and units") {
+  ZarrGrid grid{"heat \"1\"", "K", {1, 2, 3}, {0.5, 0.25, 2}};
+  const Pyramid pyramid({128, 64, 100});
+  const std::string group = zarr_group(pyramid, grid), level = zarr_level(pyramid, grid, 1);
+  CHECK(group.find("\"multiscales\"") != std::string::npos);
+  CHECK(group.find("\"consolidated_metadata\"") != std::string::npos);
+  CHECK(group.find("heat \\\"1\\\"") != std::string::npos);
+  CHECK(level.find("\"units\": \"K\"") != std::string::npos);
+  CHECK(level.find("\"float32\"") != std::string::npos);
+}
+
+TEST_CASE("in situ container: equal values need few bytes") {
+  std::vector<float> values(64 * 64 * 64, 1.5f);
+  CHECK(encode_chunk(values, 0.1f).size() < 1000);
+}
+
+}  // namespace zarr_container_test
+}  // namespace gs::app::insitu

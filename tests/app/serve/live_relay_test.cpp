@@ -1,0 +1,93 @@
+#include "app/serve/live_relay.h"
+
+#include "app/loading/updates/live_data.h"
+#include "net/control/live_file.h"
+#include "tests/app/scratch_folder.h"
+
+#include <catch2/catch.hpp>
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <thread>
+#include <variant>
+
+namespace gs::app::live_relay_test {
+namespace {
+
+using State = net::HeldContent::State;
+
+/// Server of a simulation, and the file that names it.
+struct RelayedRun {
+  RelayedRun() {
+    net::HttpServerOptions options;
+    options.folder = folder.path("");
+    options.list = [](const net::FolderListing&, const net::FolderRequest&) {
+      return net::FolderPage{"model/vrml", "#VRML V2.0 utf8\n"};
+    };
+    options.content = [](const net::ContentRequest& request) -> net::HeldContent {
+      if (request.path != "heat 1.zarr/0/c.0.0.0") return {};
+      return {State::ready, "application/octet-stream", "chunk"};
+    };
+    options.post = [this](const net::PostRequest& request) {
+      posted = request.path + "?" + request.query + " " + request.authorization;
+      return net::PostAnswer{200, "ok"};
+    };
+    auto started = net::HttpServer::start(std::move(options));
+    REQUIRE(std::holds_alternative<std::unique_ptr<net::HttpServer>>(started));
+    server = std::move(std::get<std::unique_ptr<net::HttpServer>>(started));
+    REQUIRE_FALSE(net::write_live_file(file, {net::name_of_machine(), "127.0.0.1", server->port(), token}));
+  }
+  // Asks the relay until the content of a path below the file is known.
+  [[nodiscard]] net::HeldContent get(const std::string& path, const std::string& within = {}) {
+    for (int i = 0; i < 10'000; ++i) {
+      net::HeldContent held = relay.content({file.substr(1) + path, within});
+      if (held.state != State::waiting) return held;
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    return {};
+  }
+
+  ScratchFolder folder;
+  const std::string file = folder.path("run.live"), token = std::string(32, 'c');
+  std::string posted;
+  std::unique_ptr<net::HttpServer> server;
+  LiveRelay relay{[] {}};
+};
+
+}  // namespace
+
+TEST_CASE("ssh: paths below the file of a simulation are resources of its server") {
+  const auto path = live_path("home/ann/run.live/a.zarr/zarr.json");
+  REQUIRE(path);
+  CHECK(path->file == "/home/ann/run.live");
+  CHECK(path->resource == "a.zarr/zarr.json");
+  CHECK(live_path("home/run.live/")->resource.empty());
+  for (const char* other : {"", "run.live", "run.lively/a", ".live/a", "a/.live/a", "home/run.qnv"})
+    CHECK_FALSE(live_path(other));
+  CHECK(live_address("ssh://host/run.live") == "ssh://host/run.live/");
+  CHECK(live_address("ssh://host/run.live/") == "ssh://host/run.live/");
+  CHECK(live_address("http://host/run.live") == "http://host/run.live");
+}
+
+TEST_CASE("ssh: the server of a simulation is relayed through the file that names it") {
+  RelayedRun run;
+  CHECK(run.get("/").body == "#VRML V2.0 utf8\n");
+  CHECK(run.get("/").mime == "model/vrml");
+  CHECK(run.get("/heat 1.zarr/0/c.0.0.0").body == "chunk");
+  CHECK(run.get("/other").state == State::none);
+  CHECK(run.get("/", run.file + "/").state == State::ready);
+  // A document of the folder must not reach servers that files in it name.
+  CHECK(run.get("/", run.folder.path("")).state == State::none);
+  CHECK(run.relay.content({"home/none.live/", {}}).state == State::none);
+}
+
+TEST_CASE("ssh: changes of parameters get the token of the file") {
+  RelayedRun run;
+  CHECK(run.relay.post({run.file + "/parameters", "feed=0.5", "Bearer wrong"}).status == 200);
+  CHECK(run.posted == "/parameters?feed=0.5 Bearer " + run.token);
+  CHECK(run.relay.post({"/home/other", "feed=0.5", ""}).status == 405);
+  CHECK(run.relay.post({"/home/none.live/parameters", "feed=0.5", ""}).status == 404);
+}
+
+}  // namespace gs::app::live_relay_test
