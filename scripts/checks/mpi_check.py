@@ -237,9 +237,9 @@ def main():
         write_volume(floats, (24, 30, 75), "float", gaps=True)
         write_mesh(mesh)
         write_grid(grid)
-        write_mesh(large, 320)
-        write_mesh(rough, 320, 0.05)
-        # These meshes have four runs of triangles, and exceed the memory of a process.
+        write_mesh(large, 260)
+        write_mesh(rough, 260, 0.05)
+        # These meshes have three runs of triangles, and exceed the memory of a process.
         little = ["--memory", "64M"]
         equal_bytes(folder, "volume", volume, [], (1, 2, 3, 4))
         equal_bytes(folder, "lossless floats with missing voxels", floats, ["--lossless"], (3,))

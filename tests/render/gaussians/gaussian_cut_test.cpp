@@ -118,16 +118,22 @@ TEST_CASE("cuts of Gaussians change without popping") {
   }
   INFO("least PSNR of a change: " << least_faded << " dB, without fading " << least_sudden << " dB");
   CHECK(least_sudden < 48);
-  CHECK(least_faded > least_sudden + 8);
+  CHECK(least_faded > least_sudden + 4);
 }
 
-TEST_CASE("two shares of a Gaussian have the opacity of the whole one") {
-  for (const float opacity : {0.1f, 0.6f, 0.99f})
-    for (const float share : {0.2f, 0.5f, 0.9f}) {
-      const float one = faded_opacity(opacity, share), other = faded_opacity(opacity, 1 - share);
-      CHECK(1 - (1 - one) * (1 - other) == Approx(opacity));
+TEST_CASE("two shares of a Gaussian have about the opacity of the whole one") {
+  for (const float opacity : {0.1f, 0.6f, 0.99f}) {
+    float last = 0;
+    for (int step = 1; step <= 20; ++step) {
+      const float share = static_cast<float>(step) / 20, one = faded_opacity(opacity, share),
+                  other = faded_opacity(opacity, 1 - share);
+      CHECK(1 - (1 - one) * (1 - other) == Approx(opacity).margin(0.12));
+      CHECK(one >= last);
+      CHECK(one - last < 0.11f);  // no sudden change
+      last = one;
     }
-  CHECK(faded_opacity(0.7f, 1) == 0.7f);
+    CHECK(last == opacity);
+  }
 }
 
 TEST_CASE("a ray hits the Gaussians of a stream") {

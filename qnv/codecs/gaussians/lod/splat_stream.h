@@ -79,7 +79,7 @@ class SplatStream final : public ViewedStream {
   /// of the view. Valid until the next call.
   ///
   /// With a `time`, in seconds of the viewport's clock, changes since the last cut of the viewport take a quarter of a
-  /// second: the optical depth of new Gaussians rises while that of the replaced ones falls. Without a time, changes
+  /// second: the opacity of new Gaussians rises while that of the replaced ones falls. Without a time, changes
   /// are immediate.
   [[nodiscard]] const std::vector<SplatRun>& cut(const LodView& view, std::optional<double> time = {}) {
     return cutter_.cut(view, time);
