@@ -9,7 +9,6 @@ namespace gs::app {
 struct PictureQuality {
   bool one_sample;   // no anti-aliasing
   float coarseness;  // divisor of the resolution along each axis
-  float splat_error; // of streams of Gaussians, in pixels of the reduced resolution
   friend bool operator==(const PictureQuality&, const PictureQuality&) = default;
 };
 
@@ -19,16 +18,19 @@ struct PictureQuality {
 class PictureDetail {
  public:
   static constexpr double kGoal = 1.0 / 15;  // max time of a picture that changes
-  static constexpr std::array<PictureQuality, 10> kQualities{{{false, 1, 1},
-                                                              {true, 1, 2.5f},
-                                                              {true, 1.15f, 2.5f},
-                                                              {true, 1.33f, 2.5f},
-                                                              {true, 1.5f, 2.5f},
-                                                              {true, 1.75f, 2.5f},
-                                                              {true, 2, 2.5f},
-                                                              {true, 2.8f, 2.5f},
-                                                              {true, 4, 2.5f},
-                                                              {true, 8, 2.5f}}};
+  static constexpr std::array<PictureQuality, 10> kQualities{{{false, 1},
+                                                              {true, 1},
+                                                              {true, 1.15f},
+                                                              {true, 1.33f},
+                                                              {true, 1.5f},
+                                                              {true, 1.75f},
+                                                              {true, 2},
+                                                              {true, 2.8f},
+                                                              {true, 4},
+                                                              {true, 8}}};
+
+  /// Returns the error of streams of Gaussians at a level, in pixels of the reduced resolution.
+  [[nodiscard]] static constexpr float splat_error(std::size_t level) { return level == 0 ? 1.0f : 2.5f; }
 
   /// Returns the level of quality of the next picture: an index into kQualities. `changing` means that the next picture
   /// differs from the last one.

@@ -117,7 +117,7 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   const double begin = Window::now();
   const std::size_t level = detail.level(busy && !same);
   draw.coarseness = PictureDetail::kQualities[level].coarseness;
-  draw.splat_error = PictureDetail::kQualities[level].splat_error;
+  draw.splat_error = PictureDetail::splat_error(level);
   if (PictureDetail::kQualities[level].one_sample) draw.samples = 1;
   // Fades are those of the time at which the picture will be visible.
   draw.time = begin + std::min(picture_seconds_, kMaxAhead);

@@ -40,10 +40,12 @@ std::string gaussian_defines() {
   define("LEAST_POWER", "-7.994353");
   define("MOST_ALPHA", "0.99");
   define("LOW_PASS", "0.3");
+  define("FADE_GAIN", "2.8");
   define("MOST_REACH", "1e5");
   define("SURFEL_SCREEN", "2.0");
   static_assert(kGaussianLeastAlpha == 1 / 255.0f && kGaussianLeastPower == -7.994353f && kGaussianMostAlpha == 0.99f &&
-                kGaussianLowPass == 0.3f && kGaussianMostReach == 1e5f && kSurfelScreen == 2);
+                kGaussianLowPass == 0.3f && kGaussianMostReach == 1e5f && kGaussianFadeGain == 2.8f &&
+                kSurfelScreen == 2);
   return text;
 }
 
@@ -90,7 +92,8 @@ GaussianSurvey survey(std::span<const GaussianItem> items, const SplatView& view
   auto item = items.begin();
   for (std::size_t block = 0; block < blocks; ++block) {
     std::size_t at = block * (total / blocks);
-    const std::size_t end = blocks < kSurveyedBlocks && block + 1 == blocks ? total : at + kSurveyedBlock;
+    const std::size_t end =
+        blocks < kSurveyedBlocks && block + 1 == blocks ? total : at + std::min(kSurveyedBlock, total / blocks);
     for (; item != items.end() && before + item->count <= at; ++item) before += item->count;
     std::size_t own = before;
     for (auto part = item; part != items.end() && at < end; own += part->count, ++part) {

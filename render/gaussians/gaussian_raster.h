@@ -20,6 +20,7 @@ namespace gs::render {
 
 constexpr float kGaussianLowPass = 0.3f;          // added to the variances, in pixels^2 (3DGS)
 constexpr float kGaussianFarthestTangent = 1.3f;  // of the half view; the projection is linearised at most there (3DGS)
+constexpr float kGaussianFadeGain = 2.8f;         // of faded_opacity()
 constexpr float kGaussianMostReach = 1e5f;        // pixels; larger splats are not drawn
 
 /// Gaussian splats that are part of an image.
@@ -31,12 +32,15 @@ struct GaussianItem {
   std::optional<glm::vec4> clip;     // in node space: a splat is drawn if dot(clip, (centre, 1)) is at least 0
   CameraFog fog;
   std::size_t first = 0;  // at most the number of splats
-  float presence = 1;     // factor of the optical depth; below 1 for splats that fade in or out
+  float presence = 1;     // share of the opacity; below 1 for splats that fade in or out
 };
 
-/// Returns the opacity of a splat with less optical depth, so that two shares of it together have the whole opacity.
+/// Returns the opacity of a splat that fades in or out. Two shares of it together have about the opacity of the whole
+/// one, and the visible part of each changes evenly with the share, in front of the other or behind.
 [[nodiscard]] inline float faded_opacity(float opacity, float presence) {
-  return presence < 1 ? 1 - std::pow(1 - std::min(opacity, kGaussianMostAlpha), presence) : opacity;
+  if (!(presence < 1)) return opacity;
+  const float most = std::min(opacity, kGaussianMostAlpha);
+  return 1 - std::pow(1 - most * presence, 1 + kGaussianFadeGain * presence * (1 - presence) * most);
 }
 
 /// Splats in view, unordered.
@@ -48,8 +52,9 @@ struct ProjectedGaussians {
 
 /// Projects splats by EWA: the covariance in the picture is J W Sigma W^T J^T + 0.3 pixels^2 (Zwicker et al. 2002;
 /// Kerbl et al. 2023). Splats without a third scale become surfels, which rays intersect (Huang et al. 2024), unless
-/// they reach the plane of the eye. Appends those of [first, last) of the item that are in view, unordered, without splats fainter
-/// than kGaussianLeastAlpha. Callers sort splats by distance from the eye, so that turning the view keeps the order.
+/// they reach the plane of the eye. Appends those of [first, last) of the item that are in view, unordered, without
+/// splats fainter than kGaussianLeastAlpha. Callers sort splats by distance from the eye, so that turning the view
+/// keeps the order.
 void project_gaussians(const GaussianItem& item, const SplatView& view, std::size_t first, std::size_t last,
                        ProjectedGaussians& out);
 

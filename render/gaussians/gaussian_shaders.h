@@ -157,7 +157,10 @@ void main() {
   uvec4 code = texelFetch(codes, texel);
   vec4 eye = about(item, EYE);  // w: factor of the opacity
   float opacity = float(code.w & 0xFFFFu) * (1.0 / 65535.0) * eye.w, presence = about(item, FOG + 3).z;
-  if (presence < 1.0) opacity = 1.0 - pow(1.0 - min(opacity, MOST_ALPHA), presence);
+  if (presence < 1.0) {
+    float most = min(opacity, MOST_ALPHA);
+    opacity = 1.0 - pow(1.0 - most * presence, 1.0 + FADE_GAIN * presence * (1.0 - presence) * most);
+  }
   if (!(opacity >= LEAST_ALPHA)) return;
   vec4 position = vec4(uintBitsToFloat(code.xyz), 1.0);
   if (!(dot(about(item, CLIP), position) >= 0.0)) return;

@@ -132,15 +132,19 @@ GaussianStore::GaussianStore(const Gl& gl, std::size_t most_bytes)
 
 void GaussianStore::forget_unused() {
   ++frame_;
-  std::erase_if(entries_, [&](const Entry& entry) {
-    if (!entry.gaussians.expired()) return false;
-    free_.give_back(entry.place.first, entry.count);
+  std::erase_if(entries_, [&](const auto& held) {
+    if (!held.first.expired()) return false;
+    release(held.second);
     return true;
   });
 }
 
+void GaussianStore::release(const Entry& entry) {
+  if (entry.present) free_.give_back(entry.place.first, entry.count);
+}
+
 bool GaussianStore::resize(std::size_t capacity) {
-  entries_.clear();
+  for (auto& [gaussians, entry] : entries_) entry.present = false;
   free_ = RangeAllocator(0);
   capacity_ = 0;
   take_errors(gl_);
@@ -160,73 +164,111 @@ bool GaussianStore::resize(std::size_t capacity) {
   return true;
 }
 
-GaussianStore::Entry* GaussianStore::find(const std::shared_ptr<const qnv::Gaussians>& gaussians) {
-  for (Entry& entry : entries_)
-    if (!entry.gaussians.owner_before(gaussians) && !gaussians.owner_before(entry.gaussians)) return &entry;
-  return nullptr;
-}
-
-GaussianStore::Entry* GaussianStore::add(const std::shared_ptr<const qnv::Gaussians>& gaussians) {
-  Entry entry{gaussians, 0, {0, gaussian_coding(*gaussians)}, frame_};
-  entry.count = gaussians->size() * entry.place.coding.texels;
+// Finds room for an entry. Frees data that was not used in recent frames if necessary.
+bool GaussianStore::allocate(Entry& entry) {
   std::optional<std::size_t> first = free_.take(entry.count);
-  while (!first) {
-    // Free the data that was unused for the longest time, but not that of recent frames.
-    const auto oldest = std::min_element(entries_.begin(), entries_.end(),
-                                         [](const Entry& a, const Entry& b) { return a.used < b.used; });
-    if (oldest == entries_.end() || oldest->used + kKeptSceneFrames >= frame_) return nullptr;
-    free_.give_back(oldest->place.first, oldest->count);
-    entries_.erase(oldest);
+  if (!first) {
+    for (auto& [gaussians, other] : entries_)
+      if (other.present && other.used + kKeptSceneFrames < frame_) {
+        release(other);
+        other.present = false;
+      }
     first = free_.take(entry.count);
   }
+  if (!first) return false;
   entry.place.first = *first;
-  entries_.push_back(entry);
-  upload(*gaussians, entries_.back());
-  return &entries_.back();
+  entry.present = true;
+  return true;
 }
 
 std::vector<GaussianStore::Place> GaussianStore::place(std::span<const std::shared_ptr<const qnv::Gaussians>> scenes) {
+  std::vector<Held*> all;
   std::size_t needed = 0;
+  ++placing_;
   for (const auto& scene : scenes) {
     if (!is_whole(*scene) || scene->empty()) return {};
-    needed += scene->size() * (2 + (qnv::harmonic_count(scene->degree) + 1) / 2);
+    auto found = entries_.find(scene);
+    if (found == entries_.end()) {
+      Entry fresh;
+      fresh.place.coding = gaussian_coding(*scene);
+      fresh.count = scene->size() * fresh.place.coding.texels;
+      found = entries_.emplace(scene, fresh).first;
+    }
+    Entry& entry = found->second;
+    // Several parts of the same Gaussians share their data.
+    if (entry.placed != placing_) needed += entry.count;
+    entry.placed = placing_;
+    entry.used = frame_;
+    all.push_back(&*found);
   }
   if (needed == 0 || needed > most_) return {};
   for (int attempt = 0; attempt < 2; ++attempt) {
-    std::vector<Place> places;
-    for (const auto& scene : scenes) {
-      Entry* entry = find(scene);
-      if (!entry) entry = add(scene);
-      if (!entry) break;
-      entry->used = frame_;
-      places.push_back(entry->place);
+    std::vector<Held*> fresh;
+    bool fits = true;
+    for (Held* const held : all) {
+      if (held->second.present) continue;
+      fits = allocate(held->second);
+      if (!fits) break;
+      fresh.push_back(held);
     }
-    if (places.size() == scenes.size()) return places;
-    // Enlarge the buffer. Leave room for the data of other viewports, which upload it again.
-    std::size_t others = 0;
-    for (const Entry& entry : entries_)
+    upload(std::move(fresh));
+    if (fits) {
+      std::vector<Place> places;
+      for (const Held* const held : all) places.push_back(held->second.place);
+      return places;
+    }
+    // Enlarge the buffer. Leave room for the data of other viewports, which upload it again, and for later cuts.
+    std::size_t others = needed / 2;
+    for (const auto& [gaussians, entry] : entries_)
       if (entry.used != frame_ && entry.used + kKeptSceneFrames >= frame_) others += entry.count;
     if (attempt > 0 || !resize(std::min(most_, needed + others))) return {};
   }
   return {};
 }
 
-void GaussianStore::upload(const qnv::Gaussians& gaussians, const Entry& entry) {
+// Uploads the data of new entries. Those that are neighbours in the buffer are uploaded together.
+void GaussianStore::upload(std::vector<Held*> fresh) {
+  if (fresh.empty()) return;
   const PhaseScope phase(gl_.phases, Phase::upload);
-  const std::size_t per = entry.place.coding.texels, part = kUploadedTexels / per;
-  std::vector<GaussianTexel> texels(std::min(entry.count, part * per));
+  std::ranges::sort(fresh, {}, [](const Held* held) { return held->second.place.first; });
+  /// Splats of one entry, as a part of an upload.
+  struct Part {
+    std::shared_ptr<const qnv::Gaussians> gaussians;
+    const Entry* entry;
+    std::size_t first, count, to;  // `to`: texel in the upload
+  };
+  std::vector<Part> parts;
+  std::vector<GaussianTexel> texels;
+  std::size_t begin = 0, size = 0;  // texels of the upload
   gl_.BindBuffer(GL_TEXTURE_BUFFER, buffer_.name());
-  for (std::size_t first = 0; first < gaussians.size(); first += part) {
-    const std::size_t count = std::min(part, gaussians.size() - first);
-    parallel_for((count + kEncodedRange - 1) / kEncodedRange, [&](std::size_t task) {
-      const std::size_t at = task * kEncodedRange, end = std::min(count, at + kEncodedRange);
-      encode_gaussians(gaussians, entry.place.coding, first + at,
-                       std::span(texels).subspan(at * per, (end - at) * per));
+  const auto flush = [&] {
+    texels.resize(size);
+    parallel_for(parts.size(), [&](std::size_t i) {
+      const Part& part = parts[i];
+      const GaussianCoding& coding = part.entry->place.coding;
+      encode_gaussians(*part.gaussians, coding, part.first,
+                       std::span(texels).subspan(part.to, part.count * coding.texels));
     });
-    gl_.BufferSubData(GL_TEXTURE_BUFFER,
-                      static_cast<GLintptr>((entry.place.first + first * per) * sizeof(GaussianTexel)),
-                      static_cast<GLsizeiptr>(count * per * sizeof(GaussianTexel)), texels.data());
+    if (size > 0)
+      gl_.BufferSubData(GL_TEXTURE_BUFFER, static_cast<GLintptr>(begin * sizeof(GaussianTexel)),
+                        static_cast<GLsizeiptr>(size * sizeof(GaussianTexel)), texels.data());
+    parts.clear();
+    size = 0;
+  };
+  for (const Held* const held : fresh) {
+    const Entry& entry = held->second;
+    const auto gaussians = held->first.lock();
+    const std::size_t per = entry.place.coding.texels;
+    for (std::size_t first = 0; gaussians && first < gaussians->size(); first += kEncodedRange) {
+      const std::size_t count = std::min(kEncodedRange, gaussians->size() - first),
+                        at = entry.place.first + first * per;
+      if (size >= kUploadedTexels || (size > 0 && begin + size != at)) flush();
+      if (size == 0) begin = at;
+      parts.push_back({gaussians, &entry, first, count, size});
+      size += count * per;
+    }
   }
+  flush();
 }
 
 }  // namespace gs::render

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <span>
 #include <vector>
@@ -40,8 +41,8 @@ void encode_gaussians(const qnv::Gaussians& gaussians, const GaussianCoding& cod
                       std::span<GaussianTexel> texels);
 
 /// Gaussians in GPU memory, in one buffer texture, so that several scenes can be drawn in one order. A splat takes 32
-/// bytes, and 128 more with harmonics of degree 3. Keeps data while the Gaussians have other owners. Runs on the thread
-/// of its context.
+/// bytes, and 128 more with harmonics of degree 3. Keeps data while the Gaussians have other owners, so that a changed cut
+/// of a stream uploads only its new clusters. Runs on the thread of its context.
 class GaussianStore {
  public:
   /// Creates an empty store that uses at most `most_bytes` of GPU memory.
@@ -62,23 +63,25 @@ class GaussianStore {
 
  private:
   struct Entry {
-    std::weak_ptr<const qnv::Gaussians> gaussians;
     std::size_t count = 0;  // texels
     Place place;
-    std::uint64_t used = 0;
+    bool present = false;  // the data is in the buffer
+    std::uint64_t used = 0, placed = 0;
   };
-  Entry* find(const std::shared_ptr<const qnv::Gaussians>& gaussians);
-  Entry* add(const std::shared_ptr<const qnv::Gaussians>& gaussians);
+  using Entries = std::map<std::weak_ptr<const qnv::Gaussians>, Entry, std::owner_less<>>;
+  using Held = Entries::value_type;
+  void release(const Entry& entry);
   bool resize(std::size_t capacity);
-  void upload(const qnv::Gaussians& gaussians, const Entry& entry);
+  bool allocate(Entry& entry);
+  void upload(std::vector<Held*> fresh);
 
   const Gl& gl_;
   std::size_t most_, capacity_ = 0;  // texels
-  std::uint64_t frame_ = 0;
+  std::uint64_t frame_ = 0, placing_ = 0;
   Buffer buffer_;
   Texture codes_;
   RangeAllocator free_{0};
-  std::vector<Entry> entries_;
+  Entries entries_;
 };
 
 }  // namespace gs::render

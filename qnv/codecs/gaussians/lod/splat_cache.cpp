@@ -125,11 +125,25 @@ std::unique_ptr<SplatCache::Entry> SplatCache::made(std::uint32_t cluster, std::
   return entry;
 }
 
+// Adds the harmonics that were received since the ancestors of clusters were decoded: new clusters may inherit them.
+void SplatCache::update_parents(std::span<const std::uint32_t> clusters) {
+  if (chunks_.header().gaussians.degree == 0) return;
+  std::vector<std::uint32_t> above;
+  for (const std::uint32_t cluster : clusters)
+    for (std::uint32_t i = tree_[cluster].parent; i != kNoCluster && has(i); i = tree_[i].parent) above.push_back(i);
+  std::ranges::sort(above, [&](std::uint32_t a, std::uint32_t b) {
+    return tree_[a].level != tree_[b].level ? tree_[a].level < tree_[b].level : a < b;
+  });
+  above.erase(std::ranges::unique(above).begin(), above.end());
+  add_harmonics(above);
+}
+
 void SplatCache::decode(std::vector<std::uint32_t> clusters, std::uint64_t now) {
   if (entries_.size() < tree_.size()) entries_.resize(tree_.size());
   std::ranges::sort(clusters, [&](std::uint32_t a, std::uint32_t b) {
     return tree_[a].level != tree_[b].level ? tree_[a].level < tree_[b].level : a < b;
   });
+  update_parents(clusters);
   std::vector<std::unique_ptr<Entry>> results(clusters.size());
   for (std::size_t first = 0, last = 0; first < clusters.size(); first = last) {
     while (last < clusters.size() && tree_[clusters[last]].level == tree_[clusters[first]].level) ++last;

@@ -76,6 +76,7 @@ class SplatCache : NonCopyable {
   /// Gives the Gaussians of a block their own harmonics, else those of their parents, if these are decoded.
   void put_harmonics(std::uint32_t cluster, const Entry& own, Gaussians& splats) const;
   [[nodiscard]] std::unique_ptr<Entry> made(std::uint32_t cluster, std::unique_ptr<SplatState> state) const;
+  void update_parents(std::span<const std::uint32_t> clusters);
   void keep(std::uint32_t cluster, std::unique_ptr<Entry> made, std::uint64_t now);
   void drop_state(std::uint32_t cluster);
   void drop(std::uint32_t cluster);

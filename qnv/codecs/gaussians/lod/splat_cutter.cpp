@@ -36,6 +36,16 @@ float distance_to(const Box& box, const glm::vec3& p) {
   return std::sqrt(glm::dot(d, d));
 }
 
+// Enlarges a box along the faces at which that of the stream clips it. The box of the stream bounds only centres.
+Box unclipped(Box box, float reach, const Box& stream) {
+  const glm::vec3 margin = stream.size() * 1e-4f;
+  for (int i = 0; i < 3; ++i) {
+    if (box.lower[i] <= stream.lower[i] + margin[i]) box.lower[i] -= reach;
+    if (box.upper[i] >= stream.upper[i] - margin[i]) box.upper[i] += reach;
+  }
+  return box;
+}
+
 struct SplatCandidate {
   float key;  // priority: size in the picture, pixels
   std::uint32_t cluster;
@@ -198,13 +208,11 @@ void SplatCutter::select(const LodView& view, const Viewport& last, std::uint16_
     order_.push_back(index);
     if (!cluster.known) continue;
     for (std::uint32_t child = cluster.first_child; child != kNoCluster; child = tree_[child].next_sibling) {
-      if (tree_[child].broken) continue;
-      cache_.size_up(child);
       const SplatCluster& c = tree_[child];
-      if (c.broken) continue;
-      // The box of a cluster is clipped by that of the stream, which bounds only centres.
       const float reach = kSeenReach * (c.sized ? c.reach : cluster.inner_reach);
-      if (c.boxed && outside({c.box.lower - reach, c.box.upper + reach}, view)) continue;
+      if (c.broken || (c.boxed && outside(unclipped(c.box, reach, chunks_.header().description.box), view))) continue;
+      cache_.size_up(child);
+      if (c.broken) continue;
       float key = key_of(c, view);
       if ((c.marks.chosen_by & bit) != 0) key = same ? key + kStays : key / kGivenUp;
       candidates.push({key, child});

@@ -20,7 +20,7 @@ namespace gs::qnv {
 struct SplatRun {
   std::shared_ptr<const Gaussians> splats;
   std::uint32_t first = 0, count = 0;
-  float presence = 1;  // share of the optical depth; below 1 while other Gaussians fade in or out at this place
+  float presence = 1;  // share of the opacity; below 1 while other Gaussians fade in or out at this place
   friend bool operator==(const SplatRun&, const SplatRun&) = default;
 };
 

@@ -54,7 +54,8 @@ SplatStream::Opened SplatStream::begin(std::span<const std::byte> front) {
 }
 
 void SplatStream::set_limits(const SplatLimits& limits) {
-  cutter_.set_most_splats(std::max<std::size_t>(limits.cut_bytes / bytes_of_splat(header().gaussians.degree), 1));
+  const std::size_t most = limits.cut_bytes / bytes_of_splat(header().gaussians.degree);
+  cutter_.set_most_splats(std::clamp<std::size_t>(most, 1, limits.cut_splats));
   cache_.set_most_bytes(limits.cache_bytes);
   chunks_.set_most_bytes(limits.arrived_bytes);
 }

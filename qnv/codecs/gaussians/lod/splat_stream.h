@@ -22,6 +22,7 @@ namespace gs::qnv {
 struct SplatLimits {
   std::size_t cache_bytes = std::size_t{5} << 26;    // decoded clusters that the last cuts do not need
   std::size_t cut_bytes = std::size_t{7} << 26;      // Gaussians of one cut, for any budget
+  std::size_t cut_splats = 2'500'000;                // the same, as their number
   std::size_t arrived_bytes = std::size_t{1} << 30;  // received chunks of a stream that still grows
 };
 
@@ -78,7 +79,7 @@ class SplatStream final : public ViewedStream {
   /// of the view. Valid until the next call.
   ///
   /// With a `time`, in seconds of the viewport's clock, changes since the last cut of the viewport take a quarter of a
-  /// second: the optical depth of new Gaussians rises while that of the replaced ones falls. Without a time, changes
+  /// second: the opacity of new Gaussians rises while that of the replaced ones falls. Without a time, changes
   /// are immediate.
   [[nodiscard]] const std::vector<SplatRun>& cut(const LodView& view, std::optional<double> time = {}) {
     return cutter_.cut(view, time);

@@ -1,8 +1,10 @@
-// Tests of large octree streams that are read in place.
+// Tests of streams that views read in part.
 #include "app/formats/qnv/geometry_reader.h"
 
 #include "app/formats/common/color_key.h"
 #include "app/loading/world_loader.h"
+#include "qnv/codecs/gaussians/encode/gaussians_stream.h"
+#include "qnv/codecs/gaussians/lod/splat_stream.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/shared/encode_options.h"
 #include "tests/app/geometry_shapes.h"
@@ -116,4 +118,26 @@ TEST_CASE("gives the scene of a stream its one colour, and the meaning of its co
   REQUIRE(key);
   CHECK(key->title == "heat (K)");
   CHECK(key->high == 10);
+}
+
+TEST_CASE("keeps a stream of Gaussians encoded for views, and decodes all of it for other uses") {
+  const auto made = qnv::encode_gaussians(test::random_gaussians(3000, 1), {});
+  const auto& bytes = std::get<qnv::EncodedStream>(made).bytes;
+  const ScratchFolder folder;
+  const std::string path =
+      folder.write("cloud.qnv", std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  for (const bool whole : {false, true}) {
+    LoadOptions options;
+    options.whole_surfaces = whole;
+    const LoadedWorld world = load_world(path, options);
+    CHECK(world.diagnostics.errors() + world.diagnostics.warnings() == 0);
+    REQUIRE(world.geometries.size() == 1);
+    const auto gaussians = content_of<qnv::Gaussians>(*world.geometries.begin()->second);
+    CHECK((gaussians.stream == nullptr) == whole);
+    CHECK(gaussians.size() == (whole ? 3000 : 0));
+    CHECK_FALSE(gaussians.nothing());
+    if (whole) continue;
+    CHECK(gaussians.stream->header().vectors == 3000);
+    CHECK(gaussians.stream->whole().decode(10'000).size() == 3000);
+  }
 }

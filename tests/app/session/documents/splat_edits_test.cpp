@@ -1,6 +1,8 @@
 #include "app/session/documents/splat_edits.h"
 
 #include "app/formats/export/export.h"
+#include "qnv/codecs/gaussians/encode/gaussians_stream.h"
+#include "qnv/codecs/gaussians/lod/splat_stream.h"
 #include "tests/app/geometry_shapes.h"
 #include "tests/app/interface/driver.h"
 #include "tests/app/scratch_folder.h"
@@ -149,6 +151,31 @@ TEST_CASE("the Splats panel crops, resets and asks before edits are lost") {
   it.user.click("Reset all");
   CHECK(it.edits().edit().empty());
   REQUIRE(it.shows(300));
+}
+
+TEST_CASE("edits a stream of splats, of which views show only parts") {
+  const auto made = qnv::encode_gaussians(test::random_gaussians(300, 1), {});
+  const auto& bytes = std::get<qnv::EncodedStream>(made).bytes;
+  const ScratchFolder folder;
+  const std::string path =
+      folder.write("scene.qnv", std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  Driver user({}, {800, 600});
+  user.session().opening().open_files({path});
+  const auto gaussians = [&]() -> const qnv::Gaussians* {
+    const View* const view = user.session().view();
+    if (!view || view->list->splats.size() != 1 || !view->list->splats[0].geometry) return nullptr;
+    return view->list->splats[0].geometry->as<qnv::Gaussians>();
+  };
+  REQUIRE(user.wait_for([&] { return gaussians() && gaussians()->stream; }));
+  Document& document = *user.session().view()->document;
+  CHECK(document.splats.extent(document.world).largest > 0);
+  document.splats.set(crop_of(0.5), 1001);
+  REQUIRE(user.wait_for([&] { return gaussians() && !gaussians()->stream && !document.splats.busy(); }));
+  CHECK(gaussians()->size() > 0);
+  CHECK(gaussians()->size() < 150);
+  CHECK(gaussians()->size() + document.splats.removed().cropped == 300);
+  document.splats.go(-1);
+  REQUIRE(user.wait_for([&] { return gaussians() && gaussians()->stream; }));
 }
 
 }  // namespace gs::app::splat_edits_test
