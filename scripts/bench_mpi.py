@@ -78,7 +78,7 @@ def write_mesh(path, facets):
 
 
 class Reads(threading.Thread):
-    """Notes the bytes that each rank and its children read from storage, until stop()."""
+    """Notes the bytes that each rank and its children read from storage, until most()."""
 
     def __init__(self, program):
         super().__init__(daemon=True)
@@ -86,6 +86,7 @@ class Reads(threading.Thread):
 
     def run(self):
         while not self.ended.wait(0.02):
+            now = {}
             for pid in filter(str.isdigit, os.listdir("/proc")):
                 try:
                     if os.readlink("/proc/%s/exe" % pid) != self.program:
@@ -93,20 +94,21 @@ class Reads(threading.Thread):
                     with open("/proc/%s/stat" % pid) as file:
                         parent = file.read().rsplit(")", 1)[1].split()[1]
                     with open("/proc/%s/io" % pid) as file:
-                        read = int(file.read().split("read_bytes: ")[1].split()[0])
-                    self.bytes[pid] = (parent, read)
+                        now[pid] = (parent, int(file.read().split("read_bytes: ")[1].split()[0]))
                 except (OSError, IndexError):
                     pass
+            # The bytes of a process include those of its children that have ended.
+            ranks = {}
+            for pid, (parent, read) in now.items():
+                rank = parent if parent in now else pid
+                ranks[rank] = ranks.get(rank, 0) + read
+            for rank, read in ranks.items():
+                self.bytes[rank] = max(self.bytes.get(rank, 0), read)
 
     def most(self):
-        """Returns the most bytes of a rank, in which those of its children count."""
         self.ended.set()
         self.join()
-        ranks = {}
-        for pid, (parent, read) in self.bytes.items():
-            rank = parent if parent in self.bytes else pid
-            ranks[rank] = ranks.get(rank, 0) + read
-        return max(ranks.values(), default=0)
+        return max(self.bytes.values(), default=0)
 
 
 def forget(path):

@@ -1,17 +1,20 @@
 #include "app/cluster/mpi_team.h"
 
 #include "app/base/exit_status.h"
+#include "net/base/descriptor.h"
 #include "net/files/part_files.h"
 
 #include <mpi.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <climits>
 #include <csignal>
 #include <cstring>
 #include <numeric>
 #include <thread>
+#include <utility>
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -25,8 +28,9 @@ namespace {
 /// finish() closes the file: closing waits for all ranks, but a rank that fails alone must end without them.
 class MpiFile final : public TeamFile {
  public:
-  MpiFile(MPI_File file, bool has_front, std::uint64_t& written)
-      : file_(file), has_front_(has_front), written_(written) {
+  /// `space` is a descriptor of the file.
+  MpiFile(MPI_File file, net::Descriptor space, bool has_front, std::uint64_t& written)
+      : file_(file), space_(std::move(space)), has_front_(has_front), written_(written) {
     piece_.reserve(kPieceBytes);
   }
   MpiFile(const MpiFile&) = delete;
@@ -71,12 +75,24 @@ class MpiFile final : public TeamFile {
     int own = piece_.empty() ? 0 : 1, any = 0;
     MPI_Allreduce(&own, &any, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
     if (any == 0) return false;
+    reserve_space();
     MPI_Status status;
     check(MPI_File_write_at_all(file_, static_cast<MPI_Offset>(piece_at_), piece_.data(),
                                 static_cast<int>(piece_.size()), MPI_BYTE, &status),
           status, piece_.size());
     piece_.clear();
     return true;
+  }
+  // Reserves the space of the collected bytes, and drops them if the disk is full. Open MPI 4.1 reports success when it
+  // writes to a full disk.
+  void reserve_space() {
+    if (piece_.empty() ||
+        ::fallocate(space_.get(), 0, static_cast<off_t>(piece_at_), static_cast<off_t>(piece_.size())) == 0)
+      return;
+    const int error = errno;
+    if (error != ENOSPC && error != EDQUOT && error != EFBIG) return;  // the file system cannot reserve space
+    fail(std::strerror(error));
+    piece_.clear();
   }
   void put(std::uint64_t at, std::span<const std::byte> bytes) {
     MPI_Status status;
@@ -112,6 +128,7 @@ class MpiFile final : public TeamFile {
   }
 
   MPI_File file_;
+  net::Descriptor space_;
   bool has_front_;
   std::uint64_t& written_;
   std::uint64_t at_ = 0, piece_at_ = 0;
@@ -148,10 +165,8 @@ bool on_all_ranks(bool own) {
   return all != 0;
 }
 
-bool can_open(const std::string& path, int flags) {
-  const int file = ::open(path.c_str(), flags | O_CLOEXEC | O_NOFOLLOW, 0666);
-  if (file >= 0) (void)::close(file);
-  return file >= 0;
+net::Descriptor opened_file(const std::string& path, int flags) {
+  return net::Descriptor(::open(path.c_str(), flags | O_CLOEXEC | O_NOFOLLOW, 0666));
 }
 
 }  // namespace
@@ -253,13 +268,14 @@ std::unique_ptr<TeamFile> MpiTeam::create(const std::string& path) {
   const std::string mark = net::part_end_mark(path);
   if (ranks_.rank() == 0) ::unlink(mark.c_str());
   // MPI may wait forever for a rank that alone cannot open the file. So each rank tries before.
-  if (!on_all_ranks(ranks_.rank() != 0 || can_open(path, O_WRONLY | O_CREAT | O_TRUNC))) return nullptr;
-  if (!on_all_ranks(can_open(path, O_WRONLY))) return nullptr;
+  if (!on_all_ranks(ranks_.rank() != 0 || opened_file(path, O_WRONLY | O_CREAT | O_TRUNC))) return nullptr;
+  net::Descriptor space = opened_file(path, O_WRONLY);
+  if (!on_all_ranks(static_cast<bool>(space))) return nullptr;
   MPI_File file = MPI_FILE_NULL;
   const bool opened = MPI_File_open(MPI_COMM_WORLD, path.c_str(), MPI_MODE_WRONLY, MPI_INFO_NULL, &file) == MPI_SUCCESS;
   if (!on_all_ranks(opened)) return nullptr;
   if (mark.size() < end_mark.size()) std::ranges::copy(mark, end_mark.begin());
-  return std::make_unique<MpiFile>(file, ranks_.rank() == 0, written_);
+  return std::make_unique<MpiFile>(file, std::move(space), ranks_.rank() == 0, written_);
 }
 
 JsonValue MpiTeam::statistics() {

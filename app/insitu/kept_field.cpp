@@ -93,10 +93,10 @@ bool KeptField::copy(std::span<const GridPart> parts, const CodeScale& scale) {
     const std::size_t layer = std::size_t{from.box.size[0]} * from.box.size[1], all = layer * from.box.size[2];
     if (exact_) {
       to.values.resize(all);
-      to.codes = {};
+      std::vector<std::int16_t>().swap(to.codes);  // frees the memory
     } else {
       to.codes.resize(all);
-      to.values = {};
+      std::vector<float>().swap(to.values);
     }
     slice.resize(layer);
     for (std::uint32_t z = 0; z < from.box.size[2]; ++z) {

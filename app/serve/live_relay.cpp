@@ -6,6 +6,7 @@
 #include "net/serve/served_folder.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <utility>
 #include <variant>
 
@@ -96,8 +97,15 @@ void LiveRelay::drop_old() {
 }
 
 net::PostAnswer LiveRelay::post(const net::PostRequest& request) {
-  const net::Url parsed = net::parse_url("http://localhost" + request.path);
-  const auto path = live_path(net::path_of_url(parsed));
+  const auto parsed = net::parse_request_path(request.path, true);
+  const auto* const names = std::get_if<net::RequestPath>(&parsed);
+  if (!names) return {404, "not found"};
+  std::string decoded;
+  for (const std::string& name : names->names) {
+    const char* const home = decoded.empty() && name == "~" ? std::getenv("HOME") : nullptr;
+    decoded += home ? home : "/" + name;
+  }
+  const auto path = live_path(decoded);
   if (!path) return {405, "only the parameters of a simulation can be changed"};
   auto file = net::read_live_file(path->file);
   if (const auto* const problem = std::get_if<std::string>(&file)) return {404, *problem};

@@ -61,7 +61,8 @@ Suitability choose_values(const EncodeSource& source, const EncodeRequest&) {
 }
 
 Suitability choose_gaussians(const EncodeSource& source, const EncodeRequest&) {
-  const bool splats = std::holds_alternative<std::reference_wrapper<const Gaussians>>(source);
+  const bool splats = std::holds_alternative<std::reference_wrapper<const Gaussians>>(source) ||
+                      std::holds_alternative<std::reference_wrapper<const GaussianSource>>(source);
   return splats ? Suitability{2, "the source is Gaussian splats"} : Suitability{};
 }
 
@@ -105,6 +106,8 @@ Encoded encode_volume_values(const EncodeSource& source, EncodeOptions options, 
 }
 
 Encoded encode_splats(const EncodeSource& source, EncodeOptions options, Progress* progress) {
+  if (const auto* pieces = std::get_if<std::reference_wrapper<const GaussianSource>>(&source))
+    return encode_gaussians(pieces->get(), options, progress);
   const auto* splats = std::get_if<std::reference_wrapper<const Gaussians>>(&source);
   if (!splats) return EncodeError{"a Gaussians stream needs Gaussian splats; expected a file of splats"};
   return encode_gaussians(splats->get(), options, progress);
@@ -150,8 +153,8 @@ constexpr std::array<PayloadRow, 7> kRows = {{
      types({ChunkType::values, ChunkType::gaps, ChunkType::remainders, ChunkType::labels}), 0, 0, 0, choose_values,
      encode_volume_values, make_volume_decoder},
     {Payload::gaussians, "gaussians", PayloadReader::vectors, RequestOrder::visible_first, nullptr,
-     types({ChunkType::gaussians, ChunkType::harmonics, ChunkType::coarse_harmonics}), 0, 0, 0, choose_gaussians, encode_splats,
-     make_gaussians_decoder},
+     types({ChunkType::gaussians, ChunkType::harmonics, ChunkType::coarse_harmonics}), 0, 0, 0, choose_gaussians,
+     encode_splats, make_gaussians_decoder},
 }};
 
 // Checks the order of the table: ascending payload numbers, which may have gaps. Among rows with the same number,

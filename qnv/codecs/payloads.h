@@ -5,6 +5,7 @@
 #include "qnv/codecs/outlines/outline_stream.h"
 #include "qnv/codecs/shared/decoder.h"
 #include "qnv/codecs/shared/encode_options.h"
+#include "qnv/codecs/shared/gaussian_source.h"
 #include "qnv/container/container.h"
 #include "qnv/sampling/volume/volume.h"
 
@@ -42,7 +43,8 @@ struct OutlineSource {
 };
 /// Input of an encoder.
 using EncodeSource = std::variant<std::reference_wrapper<const TriangleSource>, VectorView, OutlineSource,
-                                  std::reference_wrapper<const VolumeSource>, std::reference_wrapper<const Gaussians>>;
+                                  std::reference_wrapper<const VolumeSource>, std::reference_wrapper<const Gaussians>,
+                                  std::reference_wrapper<const GaussianSource>>;
 
 /// Result of a payload's test of a request without a chosen payload.
 struct Suitability {

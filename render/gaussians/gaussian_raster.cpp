@@ -17,14 +17,15 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kProjectedRange = 8192;                   // splats per projection task
-constexpr std::size_t kListedRange = 4096;                      // splats per task that makes lists of regions
-constexpr std::size_t kMostEntries = std::size_t{1} << 21;      // of all regions that are kept at once
-constexpr int kRegionTiles = 4;                                 // tiles along the side of a region
-constexpr int kRegion = kRegionTiles * kGaussianTile;           // pixels along the side of a region
-constexpr std::size_t kPrefetched = 16;                         // splats between a prefetch and its use
-constexpr std::size_t kMostKeptBytes = std::size_t{128} << 20;  // of arrays that the next picture reuses
-constexpr std::size_t kGatheredSplats = 512;                    // of a region that are blended together
+constexpr std::size_t kProjectedRange = 8192;                       // splats per projection task
+constexpr std::size_t kListedRange = 4096, kLeastListedRange = 64;  // splats per task that makes lists of regions
+constexpr std::size_t kMostCounts = std::size_t{1} << 22;           // of entries of a region in a range
+constexpr std::size_t kMostEntries = std::size_t{1} << 21;          // of all regions that are kept at once
+constexpr int kRegionTiles = 4;                                     // tiles along the side of a region
+constexpr int kRegion = kRegionTiles * kGaussianTile;               // pixels along the side of a region
+constexpr std::size_t kPrefetched = 16;                             // splats between a prefetch and its use
+constexpr std::size_t kMostKeptBytes = std::size_t{128} << 20;      // of arrays that the next picture reuses
+constexpr std::size_t kGatheredSplats = 512;                        // of a region that are blended together
 
 /// Tiles that a splat touches, inclusive.
 struct TileRange {
@@ -211,7 +212,8 @@ class GaussianPainter {
         stops_(stops),
         columns_((view.width + kRegion - 1) / kRegion),
         regions_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>((view.height + kRegion - 1) / kRegion)),
-        ranges_((ordered_.size() + kListedRange - 1) / kListedRange) {}
+        range_(std::clamp(kMostEntries / regions_, kLeastListedRange, kListedRange)),
+        ranges_((ordered_.size() + range_ - 1) / range_) {}
 
   VolumeLayer paint() {
     VolumeLayer layer;
@@ -221,7 +223,6 @@ class GaussianPainter {
     const std::size_t pixels = static_cast<std::size_t>(view_.width) * static_cast<std::size_t>(view_.height);
     layer.pixels.assign(4 * pixels, 0);
     layer.depth.assign(pixels, 0);
-    count_entries();
     paint_to(layer.pixels, &layer.depth, stops_.far.empty() ? stops_.near : stops_.far);
     if (!stops_.far.empty() && !std::ranges::equal(stops_.near, stops_.far)) {
       layer.edge_pixels.assign(4 * pixels, 0);
@@ -253,17 +254,23 @@ class GaussianPainter {
         last_range - first_range,
         [&](std::size_t r) {
           const std::size_t range = first_range + r;
-          work(range * kListedRange, std::min(ordered_.size(), (range + 1) * kListedRange),
-               counts_.data() + range * regions_);
+          work(range * range_, std::min(ordered_.size(), (range + 1) * range_), counts_of(range));
         },
         view_.threads);
   }
 
-  /// Counts the splats of each region, for each range of splats.
-  void count_entries() {
-    counts_.assign(ranges_ * regions_, 0);
-    for_ranges(0, ranges_, [&](std::size_t first, std::size_t last, std::uint32_t* counts) {
-      for (std::size_t i = first; i < last; ++i)
+  /// Returns the number of splats of each region in a range that was counted.
+  [[nodiscard]] std::uint32_t* counts_of(std::size_t range) const {
+    return counts_.data() + (range - counted_from_) * regions_;
+  }
+
+  /// Counts the splats of each region, for as many ranges of splats from `first` on as fit into the counts.
+  void count_entries(std::size_t first) {
+    counted_from_ = first;
+    counted_to_ = std::min(ranges_, first + std::max<std::size_t>(1, kMostCounts / regions_));
+    counts_.assign((counted_to_ - first) * regions_, 0);
+    for_ranges(first, counted_to_, [&](std::size_t from, std::size_t to, std::uint32_t* counts) {
+      for (std::size_t i = from; i < to; ++i)
         for_regions(ordered_[i].tiles, [&](std::size_t region, int, int) { ++counts[region]; });
     });
   }
@@ -274,10 +281,10 @@ class GaussianPainter {
     for (std::size_t first = 0; first < ranges_;) {
       // A batch is as many ranges as fit into the entries, and at least one.
       std::size_t last = first, entries = 0;
-      while (last < ranges_) {
-        const auto counts = counts_.begin() + static_cast<std::ptrdiff_t>(last * regions_);
-        const std::size_t more =
-            std::accumulate(counts, counts + static_cast<std::ptrdiff_t>(regions_), std::size_t{0});
+      if (first < counted_from_ || first >= counted_to_) count_entries(first);
+      while (last < counted_to_) {
+        const std::uint32_t* const counts = counts_of(last);
+        const std::size_t more = std::accumulate(counts, counts + regions_, std::size_t{0});
         if (last > first && entries + more > kMostEntries) break;
         entries += more;
         ++last;
@@ -301,13 +308,13 @@ class GaussianPainter {
       begins[region] = next;
       for (std::size_t range = first; range < last; ++range) {
         places[(range - first) * regions_ + region] = next;
-        next += counts_[range * regions_ + region];
+        next += counts_of(range)[region];
       }
     }
     begins[regions_] = next;
     listed_.resize(entries);
     for_ranges(first, last, [&](std::size_t from, std::size_t to, const std::uint32_t*) {
-      std::uint32_t* const own = places.data() + (from / kListedRange - first) * regions_;
+      std::uint32_t* const own = places.data() + (from / range_ - first) * regions_;
       for (std::size_t i = from; i < to; ++i) {
         const PlacedGaussian& place = ordered_[i];
         for_regions(place.tiles, [&](std::size_t region, int row, int column) {
@@ -435,7 +442,8 @@ class GaussianPainter {
   const SplatView& view_;
   const VolumeStops& stops_;
   int columns_;
-  std::size_t regions_, ranges_;  // ranges of kListedRange splats
+  std::size_t regions_, range_, ranges_;           // number of regions, splats per range, number of ranges
+  std::size_t counted_from_ = 0, counted_to_ = 0;  // ranges with counts
   std::vector<std::unique_ptr<GaussianRegion>> states_;
 };
 

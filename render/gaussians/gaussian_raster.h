@@ -52,8 +52,9 @@ struct ProjectedGaussians {
 
 /// Projects splats by EWA: the covariance in the picture is J W Sigma W^T J^T + 0.3 pixels^2 (Zwicker et al. 2002;
 /// Kerbl et al. 2023). Splats without a third scale become surfels, which rays intersect (Huang et al. 2024), unless
-/// they reach the plane of the eye. Appends those of [first, last) of the item that are in view, unordered, without splats fainter
-/// than kGaussianLeastAlpha. Callers sort splats by distance from the eye, so that turning the view keeps the order.
+/// they reach the plane of the eye. Appends those of [first, last) of the item that are in view, unordered, without
+/// splats fainter than kGaussianLeastAlpha. Callers sort splats by distance from the eye, so that turning the view
+/// keeps the order.
 void project_gaussians(const GaussianItem& item, const SplatView& view, std::size_t first, std::size_t last,
                        ProjectedGaussians& out);
 

@@ -31,13 +31,6 @@ constexpr GroupMasks kGroupMasks = [] {
   return masks;
 }();
 
-/// Columns of the pixels of the groups in each column of groups.
-alignas(32) constexpr std::array<GaussianGroup::Channel, kGaussianTile / 4> kGroupColumns{
-    {{0, 0, 1, 1, 2, 2, 3, 3},
-     {4, 4, 5, 5, 6, 6, 7, 7},
-     {8, 8, 9, 9, 10, 10, 11, 11},
-     {12, 12, 13, 13, 14, 14, 15, 15}}};
-
 namespace baseline {
 #define GAUSSIAN_TARGET
 #define GAUSSIAN_AVX2 0
@@ -62,7 +55,11 @@ constexpr GaussianKernel kGaussianBaseline{baseline::tile<false>, baseline::tile
 
 void GaussianTile::clear_pixels() {
   groups.fill({});
-  for (GaussianGroup& group : groups) group.clear.fill(1);
+  for (std::size_t i = 0; i < kGroups; ++i) {
+    groups[i].clear.fill(1);
+    for (std::size_t lane = 0; lane < GaussianGroup::kLanes; ++lane)
+      groups[i].column[lane] = static_cast<float>(i / 8 * 4 + lane / 2);
+  }
   open = kAllGroups;
 }
 

@@ -38,13 +38,15 @@ struct GaussianSurfel {
 constexpr float kSurfelScreen = 2;
 
 /// Block of 4 x 2 pixels, premultiplied. Lane 2 x + y is the pixel in column x and row y.
-struct alignas(32) GaussianGroup {
+struct alignas(64) GaussianGroup {
   static constexpr std::size_t kLanes = 8;
   using Channel = std::array<float, kLanes>;
   Channel red, green, blue;  // 0..1 and above
   Channel clear;             // transmittance so far, 1 to 0
   Channel depth;             // of the last splat before which more than half of the light passed
   Channel stop;              // depth behind which splats are hidden
+  Channel column;            // of the pixels, in the tile
+  Channel unused;            // so that the kernel finds a group by a shift
 };
 
 /// Pixels of one tile. Groups are in columns: group 8 c + r has the lower left pixel (4 c, 2 r).

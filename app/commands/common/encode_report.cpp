@@ -50,7 +50,11 @@ std::optional<EncodeInput> open_encode_input(const ConversionOptions& options, P
     (void)fail(in + ": no file name matches this numbered pattern");
     return std::nullopt;
   }
-  auto input = steps.size() > 1 ? open_steps(options, steps) : open_input(options, steps.front());
+  // Edits and other methods need all splats at once.
+  const bool in_pieces = steps.size() == 1 && options.splats.empty() && options.fraction == 0 &&
+                         (options.method == EncodeMethod::automatic || options.method == EncodeMethod::gaussians);
+  auto input = in_pieces ? open_many_splats(steps.front()) : std::nullopt;
+  if (!input) input = steps.size() > 1 ? open_steps(options, steps) : open_input(options, steps.front());
   if (!input) return std::nullopt;
   if (const auto problem = edit_input(options.splats, *input)) {
     (void)fail(in + ": " + *problem);

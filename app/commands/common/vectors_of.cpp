@@ -75,6 +75,8 @@ std::size_t part_of(double fraction, std::size_t count) {
   return std::max<std::size_t>(1, static_cast<std::size_t>(std::llround(fraction * static_cast<double>(count))));
 }
 
+// Share of the memory limit for parts of splats that are encoded at the same time.
+constexpr std::size_t kPartsShare = 4;
 // JPEG quality of textures in streams with an exact mesh.
 constexpr int kExactTextureQuality = 95;
 
@@ -190,7 +192,8 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
   if (options.most_voxels > 0 && !std::holds_alternative<qnv::VolumeSource>(input.content))
     return EncodeError{"--most-voxels applies to volumes only; leave it out"};
   const auto* const splats = std::get_if<qnv::Geometry>(&input.content);
-  if (options.method == EncodeMethod::gaussians && !(splats && splats->as<qnv::Gaussians>()))
+  const auto* const splat_file = std::get_if<SplatFile>(&input.content);
+  if (options.method == EncodeMethod::gaussians && !splat_file && !(splats && splats->as<qnv::Gaussians>()))
     return EncodeError{"--method gaussians applies to Gaussian splats only; leave it out"};
   if (const auto surface = input_surface(input, options.isovalue, progress)) {
     if (options.isovalue && options.fraction > 0)
@@ -209,6 +212,21 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
                        " applies to surfaces of triangles only; leave it out"};
   if (options.method == EncodeMethod::octree && std::holds_alternative<qnv::VolumeSource>(input.content))
     return EncodeError{"--method octree applies to surfaces and points only; leave it out, or use --method records"};
+  if (splats || splat_file) {
+    encode_options.spill = output.spill;
+    encode_options.sink = output.sink;
+    encode_options.memory = options.limits.memory / kPartsShare;
+  }
+  if (splat_file) {
+    encode_options.metadata = metadata_of(options, input, path, splat_file->source.base.description.metadata);
+    const auto steps = splat_steps(options, true);
+    if (const auto* problem = std::get_if<EncodeError>(&steps)) return *problem;
+    encode_options.splat_steps = std::get<int>(steps);
+    auto encoded =
+        encode(std::cref(splat_file->source), {requested_payload(options), std::move(encode_options)}, progress);
+    if (const auto changed = input.file ? input.file->changed() : std::nullopt) return EncodeError{*changed};
+    return encoded;
+  }
   if (const auto* geometry = std::get_if<qnv::Geometry>(&input.content)) {
     encode_options.metadata = metadata_of(options, input, path, geometry->description().metadata);
     const qnv::VectorView vectors(*geometry);

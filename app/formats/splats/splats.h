@@ -100,6 +100,13 @@ using ImportedVectors = std::variant<qnv::Splats, qnv::Gaussians, std::string>;
 /// returns Gaussians. Returns a message if no splat remains.
 [[nodiscard]] ImportedVectors import_result(const SplatModel& model);
 
+struct PlyTable;
+
+/// Reads the rows of a 3DGS or 2DGS PLY file into an empty model. Returns a message if it has other properties, or if
+/// the budget is exceeded.
+[[nodiscard]] std::optional<std::string> read_splats(const PlyTable& table, SplatModel& model,
+                                                     const WorldBudget& budget);
+
 /// Imports Inria's 3D Gaussian splatting PLY, or 2DGS PLY (without scale_2), ascii or binary. The axes are right, down,
 /// forward. A truncated file gives its complete splats.
 [[nodiscard]] ImportedVectors import_splats_ply(std::span<const std::byte> bytes,

@@ -36,15 +36,11 @@ bool is_splats_ply(std::span<const std::byte> bytes) {
   return false;
 }
 
-ImportedVectors import_splats_ply(std::span<const std::byte> bytes, const WorldBudget& budget) {
-  auto opened = open_ply_table(bytes, "vertex", budget);
-  if (auto* problem = std::get_if<std::string>(&opened)) return std::move(*problem);
-  const PlyTable& table = std::get<PlyTable>(opened);
+std::optional<std::string> read_splats(const PlyTable& table, SplatModel& model, const WorldBudget& budget) {
   for (const char* name : kNeeded)
     if (!table.has(name)) return "not Gaussian splats: expected the property '" + std::string(name) + "'";
-  SplatModel model;
   model.set_degree(harmonics_degree(table.element));
-  if (auto problem = model.draw(budget, table.rows)) return std::move(*problem);
+  if (auto problem = model.draw(budget, table.rows)) return problem;
   const bool flat = !table.has("scale_2");
   model.format = flat ? "2DGS PLY" : "3DGS PLY";
   model.announced = static_cast<std::size_t>(std::min<std::uint64_t>(table.element.count, SIZE_MAX));
@@ -71,6 +67,14 @@ ImportedVectors import_splats_ply(std::span<const std::byte> bytes, const WorldB
   });
   model.antialiased = table.header.antialiased;
   for_column(table, "opacity", [&](std::size_t i, float v) { model.opacities[i] = sigmoid(v); });
+  return std::nullopt;
+}
+
+ImportedVectors import_splats_ply(std::span<const std::byte> bytes, const WorldBudget& budget) {
+  auto opened = open_ply_table(bytes, "vertex", budget);
+  if (auto* problem = std::get_if<std::string>(&opened)) return std::move(*problem);
+  SplatModel model;
+  if (auto problem = read_splats(std::get<PlyTable>(opened), model, budget)) return std::move(*problem);
   return import_result(model);
 }
 

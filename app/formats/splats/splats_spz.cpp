@@ -139,6 +139,29 @@ std::optional<std::string> unzstd(Bytes packed, std::size_t expected, std::vecto
   return std::nullopt;
 }
 
+/// Converts the unpacked data of versions 1 to 3. `stopped` is the reason why their end is missing, or nullopt.
+std::optional<std::string> read_planes(const Header& header, Bytes data, const std::optional<std::string>& stopped,
+                                       SplatModel& model) {
+  model.announced = header.count;
+  std::array<Bytes, plane_count> planes;
+  std::size_t at = kSpzHeaderBytes;
+  const auto widths = plane_widths(header.version);
+  for (std::size_t plane = 0; plane < plane_count; ++plane) {
+    const std::size_t length = widths[plane] * header.count;
+    if (length > data.size() - at) return stopped ? *stopped : "the file ends too early";
+    planes[plane] = data.subspan(at, length);
+    at += length;
+  }
+  const std::size_t all_harmonics = kHarmonicBytes[static_cast<std::size_t>(model.harmonics)] * header.count;
+  const Bytes harmonics = all_harmonics <= data.size() - at ? data.subspan(at, all_harmonics) : Bytes();
+  if ((header.flags & kHasExtensions) && header.harmonics_degree < kHarmonicBytes.size() &&
+      all_harmonics <= data.size() - at)
+    read_extensions(data.subspan(at + all_harmonics), model);
+  model.antialiased = (header.flags & kAntialiased) != 0;
+  unpack(header, planes, harmonics, model);
+  return std::nullopt;
+}
+
 std::optional<std::string> read_gzip(Bytes bytes, SplatModel& model, const WorldBudget& budget) {
   Array<std::byte> data;  // an Array grows without a copy
   Header header;
@@ -163,31 +186,25 @@ std::optional<std::string> read_gzip(Bytes bytes, SplatModel& model, const World
   });
   if (problem) return problem;
   if (!known) return stopped ? "not an SPZ file: " + *stopped : "not an SPZ file: expected a header of 16 bytes";
-  model.announced = header.count;
-  std::array<Bytes, plane_count> planes;
-  std::size_t at = kSpzHeaderBytes;
-  const auto widths = plane_widths(header.version);
-  for (std::size_t plane = 0; plane < plane_count; ++plane) {
-    const std::size_t length = widths[plane] * header.count;
-    if (length > data.size() - at) return stopped ? *stopped : "the file ends too early";
-    planes[plane] = data.span().subspan(at, length);
-    at += length;
-  }
-  const std::size_t all_harmonics = kHarmonicBytes[static_cast<std::size_t>(model.harmonics)] * header.count;
-  const Bytes harmonics = all_harmonics <= data.size() - at ? data.span().subspan(at, all_harmonics) : Bytes();
-  if ((header.flags & kHasExtensions) && header.harmonics_degree < kHarmonicBytes.size() &&
-      all_harmonics <= data.size() - at)
-    read_extensions(data.span().subspan(at + all_harmonics), model);
-  model.antialiased = (header.flags & kAntialiased) != 0;
-  unpack(header, planes, harmonics, model);
-  return std::nullopt;
+  return read_planes(header, data.span(), stopped, model);
 }
 
-std::optional<std::string> read_version4(Bytes bytes, SplatModel& model, const WorldBudget& budget) {
+/// Reads versions 1 to 3 without gzip.
+std::optional<std::string> read_unpacked(Bytes bytes, const Header& header, SplatModel& model,
+                                         const WorldBudget& budget) {
+  // A splat has at least 16 bytes.
+  if (header.count > bytes.size() / 16) return std::to_string(header.count) + " splats, which exceed the file";
+  model.set_degree(std::min(int{header.harmonics_degree}, static_cast<int>(kHarmonicBytes.size()) - 1));
+  if (auto problem = model.draw(budget, header.count)) return problem;
+  return read_planes(header, bytes, std::nullopt, model);
+}
+
+/// Reads version 4, and files of earlier versions without gzip.
+std::optional<std::string> read_plain(Bytes bytes, SplatModel& model, const WorldBudget& budget) {
   if (bytes.size() < kSpzHeaderBytes4) return "the file ends within its header of 32 bytes";
   Header header;
   if (auto problem = read_header(bytes.data(), bytes.size(), header)) return problem;
-  if (header.version != 4) return "SPZ version " + std::to_string(header.version) + " outside gzip; expected 4";
+  if (header.version != 4) return read_unpacked(bytes, header, model, budget);
   const std::size_t streams = std::to_integer<std::size_t>(bytes[15]);
   const std::size_t table = load_little<std::uint32_t>(bytes.data() + 16);
   if (streams < plane_count) return std::to_string(streams) + " streams; expected at least 5";
@@ -236,7 +253,7 @@ std::optional<std::string> read_spz_model(std::span<const std::byte> bytes, cons
   model.format = "SPZ";
   model.axes = kFromRightUpBack;
   return is_gzip(bytes)         ? read_gzip(bytes, model, budget)
-         : is_splats_spz(bytes) ? read_version4(bytes, model, budget)
+         : is_splats_spz(bytes) ? read_plain(bytes, model, budget)
                                 : std::optional<std::string>("not an SPZ file: expected NGSP or gzip data");
 }
 

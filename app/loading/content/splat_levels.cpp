@@ -273,23 +273,23 @@ void SplatLevels::read_now(std::uint32_t file) {
     return;
   }
   const ReadFiles read = loading_.fetcher.files_of(source_.origin);
-  const auto message = [](const FileResult& result) -> std::string {
+  const auto message = [](const std::string& name, const FileResult& result) -> std::string {
     if (const auto* const none = std::get_if<NoFile>(&result))
-      return none->why.empty() ? "a file is missing" : none->why;
+      return none->why.empty() ? name + " is missing" : none->why;
     return std::get<std::string>(result);
   };
   Files files;
   const std::string& path = path_of(file);
   const FileRequest meta{path};
   const FileResult head = read({&meta, 1}).front();
-  if (!std::holds_alternative<SharedBytes>(head)) return fail(file, message(head));
+  if (!std::holds_alternative<SharedBytes>(head)) return fail(file, message(path, head));
   files[path] = std::get<SharedBytes>(head);
   std::vector<FileRequest> rest;
   for (const std::string& name : sog_files_of(files[path].bytes))
     rest.push_back({path.substr(0, path.rfind('/') + 1) + name});
   const std::vector<FileResult> results = read(rest);
   for (std::size_t i = 0; i < rest.size(); ++i) {
-    if (!std::holds_alternative<SharedBytes>(results[i])) return fail(file, message(results[i]));
+    if (!std::holds_alternative<SharedBytes>(results[i])) return fail(file, message(rest[i].reference, results[i]));
     files[rest[i].reference] = std::get<SharedBytes>(results[i]);
   }
   if (const auto problem = decode(file, files)) return fail(file, *problem);
@@ -430,6 +430,12 @@ std::shared_ptr<const qnv::Geometry> SplatLevels::compose() {
   // Counts of omitted splats concern one part only.
   std::erase_if(all.description.metadata,
                 [](const auto& pair) { return pair.first != "source" && pair.first != kSplatsAsDiscs; });
+  // Cameras frame this box, so it must not change with the levels.
+  for (const SogLeaf& leaf : source_.levels.leaves)
+    if (!leaf.box.empty()) {
+      all.description.box.add(glm::vec3(glm::dvec3(leaf.box.lower) - all.description.origin));
+      all.description.box.add(glm::vec3(glm::dvec3(leaf.box.upper) - all.description.origin));
+    }
   all.requests = feed_->requests();
   shown_splats_ = count;
   auto held = hold_geometry(std::move(all), loading_.budget);

@@ -53,7 +53,7 @@ class SplatLevels final : public ViewedTransfer {
   void cancel() override;
   void cancel_row(std::uint64_t row) override;
   [[nodiscard]] bool over() const override { return over_; }
-  [[nodiscard]] bool rests() const override { return wanted_.empty() && jobs_.empty() && !changed_; }
+  [[nodiscard]] bool rests() const override { return chosen_ && wanted_.empty() && jobs_.empty() && !changed_; }
 
   /// Number of splats of the last version, and of versions so far; for tests.
   [[nodiscard]] std::size_t shown_splats() const { return shown_splats_; }

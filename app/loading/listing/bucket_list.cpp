@@ -97,6 +97,8 @@ class PageParse {
     text_.append(text.substr(0, kMostTokenBytes + 1 - std::min(kMostTokenBytes + 1, text_.size())));
   }
   void end() {
+    // Expat reports the end of an empty element even after begin() has stopped it.
+    if (!refusal_.empty() || open_.empty()) return;
     const std::string name = std::move(open_.back());
     open_.pop_back();
     const std::string text = std::exchange(text_, {});

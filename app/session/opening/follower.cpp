@@ -148,7 +148,10 @@ void Follower::check() {
     }
     if (file.coming.valid() && file.coming.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
       const std::string version = file.coming.get();
-      const bool changed = !version.empty() && !file.version.empty() && version != file.version;
+      // A simulation may have written a step between the reading of its world and the first check, and then waits for
+      // this viewer.
+      const bool known = !file.version.empty() || is_live(path);
+      const bool changed = !version.empty() && known && version != file.version;
       constexpr double kLonger = 1.5;
       if (!version.empty()) file.version = version;
       file.changed = file.changed || changed;

@@ -15,8 +15,8 @@ namespace gs::qnv {
 namespace gaussians {
 namespace {
 
-// Maximum number of splats with one tree for all, and of splats in a part of a larger scene.
-constexpr std::size_t kWhole = 500'000, kPart = 250'000;
+// Maximum number of splats in a part of a large scene.
+constexpr std::size_t kPart = 250'000;
 
 /// Returns an error if the stream cannot have such splats.
 std::optional<EncodeError> refusal_of(const GaussianSource& source) {
@@ -58,7 +58,8 @@ std::variant<EncodedStream, EncodeError> encode_gaussians(const GaussianSource& 
   using namespace gaussians;
   if (auto problem = refusal_of(source)) return std::move(*problem);
   const std::size_t most = options.part_splats;
-  if (source.count > (most ? most : kWhole)) return encode_in_parts(source, most ? most : kPart, options, progress);
+  if (source.count > (most ? most : kMostWholeGaussians))
+    return encode_in_parts(source, most ? most : kPart, options, progress);
   Gaussians all;
   all.degree = source.degree;
   const bool read = source.read([&](const Gaussians& splats) {
@@ -81,7 +82,7 @@ std::variant<EncodedStream, EncodeError> encode_gaussians(const Gaussians& sourc
   GaussianSource pieces{source, source.degree, source.antialiased, source.size(),
                         [&](const std::function<bool(const Gaussians&)>& take) { return take(source); }};
   if (auto problem = refusal_of(pieces)) return std::move(*problem);
-  if (source.size() > (options.part_splats ? options.part_splats : kWhole))
+  if (source.size() > (options.part_splats ? options.part_splats : kMostWholeGaussians))
     return encode_gaussians(pieces, options, progress);
   return encode_whole(pieces, source, options, progress);
 }

@@ -3,9 +3,13 @@
 #include "qnv/codecs/shared/encode_options.h"
 #include "qnv/codecs/shared/gaussian_source.h"
 
+#include <cstddef>
 #include <variant>
 
 namespace gs::qnv {
+
+/// Maximum number of Gaussians with one tree, unless EncodeOptions::part_splats is set.
+inline constexpr std::size_t kMostWholeGaussians = 500'000;
 
 /// Encodes Gaussian splats as a stream: FORMAT.md, "Gaussians payload". Uses these options: vectors, max_bytes,
 /// metadata, parity, splat_steps, part_splats, memory, spill, sink, threads. All numbers must be finite. Coefficients

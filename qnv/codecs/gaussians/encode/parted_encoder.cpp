@@ -23,7 +23,7 @@ constexpr std::size_t kRoots = 256, kTop = 1024;
 // Memory for parts at the same time, unless the options say more.
 constexpr std::size_t kUsualMemory = std::size_t{400} << 20;
 // Peak memory for a splat of a part without and for each coefficient of the harmonics.
-constexpr std::size_t kSplatBytes = 600, kHarmonicBytes = 40;
+constexpr std::size_t kSplatBytes = 600, kHarmonicBytes = 16;
 
 /// Part of the scene with the results of each stage.
 struct Part {

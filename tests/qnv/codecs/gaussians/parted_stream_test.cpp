@@ -29,8 +29,6 @@ EncodedStream parted(const Gaussians& source, std::size_t part, EncodeOptions op
 Gaussians shown_by(std::span<const std::byte> bytes) {
   StreamDecoder decoder;
   (void)decoder.push(bytes);
-  decoder.finish();
-  CHECK(decoder.problems().empty());
   CHECK(decoder.refused_chunks() == 0);
   Geometry geometry = decoder.geometry();
   REQUIRE(geometry.as<Gaussians>());
@@ -177,8 +175,11 @@ TEST_CASE("Gaussians in parts report a full disk, broken numbers and cancellatio
   Gaussians source = test::splat_cloud(3000);
   EncodeOptions options;
   options.part_splats = 500;
+  MemoryStore enough;
+  options.spill = &enough;
+  REQUIRE(std::holds_alternative<EncodedStream>(encode_gaussians(source, options)));
   // The first limit stops the parts of the source, the others the trees and the clusters.
-  for (const std::size_t most : {10'000u, 200'000u, 300'000u}) {
+  for (const std::size_t most : {std::size_t{10'000}, std::size_t{170'000}, std::size_t{enough.size()} - 1}) {
     FullStore store(most);
     options.spill = &store;
     const auto encoded = encode_gaussians(source, options);
