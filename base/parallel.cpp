@@ -32,11 +32,11 @@ struct Loop {
   explicit Loop(const std::function<void()>& body) : run(body) {}
   const std::function<void()>& run;  // runs until no call is left
   unsigned wanted = 0;               // helpers that may still join
-  unsigned joined = 0;               // helpers that run it
+  unsigned joined = 0;               // helpers that run the loop
   std::condition_variable left;      // signals that the last helper has left
 };
 
-/// Threads that wait for loops, because starting a thread takes longer than a small loop. Any thread.
+/// Pool of helper threads, because starting a thread takes longer than a small loop. Any thread.
 class Helpers : NonCopyable {
  public:
   /// Returns the helpers of the program. They are never destroyed, because detached threads may still use them.
@@ -45,7 +45,7 @@ class Helpers : NonCopyable {
     return helpers;
   }
 
-  /// Offers a loop to `count` helpers. `most` is the number of helpers above which no thread is started.
+  /// Offers a loop to `count` helpers. Starts helpers only while there are fewer than `most`.
   void offer(Loop& loop, unsigned count, unsigned most) {
     const std::lock_guard lock(mutex_);
     loop.wanted = count;
@@ -102,7 +102,7 @@ class Helpers : NonCopyable {
 
 bool parallel_for(std::size_t count, const std::function<void(std::size_t)>& work, unsigned threads,
                   Progress* progress) {
-  // Callers that state a number get as many threads, even if other loops use all helpers.
+  // Starts a stated number of threads even if other loops use all helpers.
   const bool is_stated = threads > 0;
   if (!is_stated) threads = usable_cores();
   const unsigned cores = threads;

@@ -13,8 +13,8 @@ namespace gs::app {
 /// pointers are valid until the environment changes.
 [[nodiscard]] std::vector<char*> kept_environment();
 
-/// Disables the shader cache of Mesa if the disk of the cache is almost full. Mesa maps the index of this cache, and the
-/// kernel ends a process that writes to a mapped page without room on the disk. Call before other threads start.
+/// Disables the shader cache of Mesa if the disk of the cache is almost full. Mesa maps the index of that cache. On
+/// a full disk, the kernel kills a process that writes to such a map. Call before other threads start.
 void spare_full_disk();
 
 /// Removes all variables that is_kept_variable() rejects. Overwrites their bytes with zeros, so that /proc/self/environ

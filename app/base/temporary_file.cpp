@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kTemporaryFolders = "ghostspace-temporary";
 
-/// Temporary folders of this process that exist. They outlive all objects, also static ones.
+/// Paths of the existing temporary folders of this process. Never destroyed, because static objects may use them.
 struct LiveFolders {
   std::mutex mutex;
   std::set<std::string> paths;

@@ -114,7 +114,7 @@ class MpiFile final : public TeamFile {
     if (!failed_) reason_ = reason;
     failed_ = true;
   }
-  // Returns the failure of the first rank that has one, equally on all ranks. Collective.
+  // Returns the failure of the lowest failed rank; all ranks get this failure. Collective.
   [[nodiscard]] std::optional<std::string> first_failure() const {
     int rank = 0, first = 0;
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
@@ -143,7 +143,7 @@ int end_output = -1;
 bool end_leads = false;
 volatile std::sig_atomic_t end_agreed = 0;  // 1 if all processes end together; rank 0 has printed the reason
 
-// Reports whether this process is the first one that prints why the run ends.
+// Returns true in only one process, which then prints the reason why the run ends.
 bool claims_end() {
   return end_mark[0] == '\0' ? end_leads : ::open(end_mark.data(), O_CREAT | O_EXCL | O_CLOEXEC, 0666) >= 0;
 }
@@ -267,7 +267,7 @@ std::string MpiTeam::hidden_errors() const {
 std::unique_ptr<TeamFile> MpiTeam::create(const std::string& path) {
   const std::string mark = net::part_end_mark(path);
   if (ranks_.rank() == 0) ::unlink(mark.c_str());
-  // MPI may wait forever for a rank that alone cannot open the file. So each rank tries before.
+  // MPI may wait forever if only one rank cannot open the file. So each rank opens it here first.
   if (!on_all_ranks(ranks_.rank() != 0 || opened_file(path, O_WRONLY | O_CREAT | O_TRUNC))) return nullptr;
   net::Descriptor space = opened_file(path, O_WRONLY);
   if (!on_all_ranks(static_cast<bool>(space))) return nullptr;
@@ -307,7 +307,7 @@ MpiTeam::~MpiTeam() {
   MPI_Finalized(&finalized);
   if (finalized != 0) return;
   if (!together_ && ranks_.count() > 1) {
-    // This process has an error of its own: an exception, perhaps while others wait for it. Rank 0 has printed it.
+    // Only this process failed, perhaps while others wait for it. Rank 0 has already printed its own errors.
     const bool first = claims_end();
     if ((first || end_mark[0] == '\0') && ranks_.rank() != 0 && shown_ >= 0) {
       const std::string line =

@@ -98,7 +98,7 @@ bool TogetherEncoding::open() {
 // Returns an error if the slices that a rank holds would exceed --memory.
 std::optional<std::string> TogetherEncoding::exceeds_memory() const {
   const auto* const volume = std::get_if<qnv::VolumeSource>(&opened_->input.content);
-  if (!volume) return std::nullopt;  // encoders of surfaces keep to the limit
+  if (!volume) return std::nullopt;  // encoders of surfaces respect the limit
   const auto& dimensions = volume->layout.dimensions;
   const std::uint64_t slices = volume->layout.labels ? 4 : 64, needed = slices * 4 * dimensions[0] * dimensions[1];
   if (needed <= options_.limits.memory) return std::nullopt;
@@ -140,7 +140,7 @@ bool TogetherEncoding::encode() {
   }
   if (!problem && leads() && stream_.written == 0 && !file_->write(stream_.bytes)) problem = "cannot write the stream";
   if (!problem) problem = check_size(options_, stream_);
-  // All ranks know if one cannot write. Its encoder has then only a consequence to report.
+  // All ranks get the write error of one rank. It is the cause of that rank's encoder error, so it replaces that error.
   if (auto unwritten = file_->finish()) {
     problem = std::move(unwritten);
     unwritten_ = true;

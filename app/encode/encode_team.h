@@ -13,8 +13,8 @@ namespace gs::app {
 /// File that the processes of a team write together. Each process writes its own bytes and skips the others.
 class TeamFile : public qnv::StreamSink {
  public:
-  /// Waits until all processes have written their bytes. Collective; call once. If one fails, all of them return its
-  /// message.
+  /// Waits until all processes have written their bytes. Collective; call once. If one process fails, all of them
+  /// return its message.
   [[nodiscard]] virtual std::optional<std::string> finish() = 0;
 };
 
@@ -30,7 +30,7 @@ class EncodeTeam {
   [[nodiscard]] virtual std::string task() const = 0;
   /// Returns the last error that this process printed, which stays hidden. Empty on rank 0, which shows its errors.
   [[nodiscard]] virtual std::string hidden_errors() const = 0;
-  /// Creates the output. Collective. Returns null in all processes if one cannot write it.
+  /// Creates the output. Collective. Returns null in all processes if one of them cannot write it.
   [[nodiscard]] virtual std::unique_ptr<TeamFile> create(const std::string& path) = 0;
   /// Returns the numbers of messages and bytes, the memory and the CPU time of each process. Collective.
   [[nodiscard]] virtual JsonValue statistics() = 0;

@@ -119,7 +119,7 @@ bool lists_corners(const PlyProperty& property) {
   return property.is_list && (property.name == "vertex_indices" || property.name == "vertex_index");
 }
 
-/// Calls `each` with the corners of each face. Stops when `each` returns false. `source` is then after the last face.
+/// Calls `each` with the corners of each face. Returns false once `each` does. Leaves `source` after the read faces.
 template <bool big, class Each>
 bool for_each_face(PlyBinarySource<big>& source, const PlyElement& element, const Each& each) {
   std::vector<std::int32_t> corners;
@@ -163,8 +163,8 @@ class FaceRuns {
     if (last && lists == 1 && data.size() / row == faces_.count && data.size() % row == 0) triangle_bytes_ = row;
   }
 
-  /// Calls `each` with the corners of each face of a run. Returns false if it did, or if a run of triangles has another
-  /// face.
+  /// Calls `each` with the corners of each face of a run. Returns false once `each` does, or at a face that is no
+  /// triangle although the size of the data says so.
   template <class Each>
   bool for_each(std::uint64_t run, const Each& each) {
     PlyElement some = faces_;

@@ -14,13 +14,13 @@ namespace gs::app {
 
 /// Mesh that is read from its file triangle by triangle, so that it may exceed memory. Files are binary STL, or binary
 /// PLY with faces after vertices. Polygons become fans of triangles. Corners have no normals. Faces with invalid
-/// corners are skipped. A truncated file gives its complete faces. The source has runs of kRunFaces faces. Any thread,
-/// but only one at a time.
+/// corners are skipped. A truncated file gives its complete faces. The source has runs of kRunFaces faces. One
+/// thread at a time.
 struct MeshStream {
   static constexpr std::uint64_t kRunFaces = std::uint64_t{1} << 16;
 
   std::uint64_t faces = 0;  // number of faces that the file contains
-  glm::vec3 size{0};        // size of the bounding box; 0 if only reading all triangles would tell
+  glm::vec3 size{0};        // size of the bounding box; 0 if unknown before all triangles are read
   glm::dvec3 origin{0};     // origin of the triangle coordinates, in world units
   qnv::TriangleSource source;
 };

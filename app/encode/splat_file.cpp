@@ -15,7 +15,7 @@
 namespace gs::app {
 namespace {
 
-// Number of rows that are read at once.
+// Number of rows per piece.
 constexpr std::size_t kPieceRows = std::size_t{1} << 15;
 
 /// Rows of a file, and the callback that releases them from memory.
@@ -24,7 +24,7 @@ struct SplatRows {
   std::size_t start = 0;  // offset of the rows in the file
   PutAside put_aside;
 
-  /// Calls take(splats) for all pieces. Returns false if it does.
+  /// Calls take(splats) for all pieces. Returns false if a call does, or if a piece cannot be read.
   bool read(const std::function<bool(const qnv::Gaussians&)>& take) const {
     const std::size_t row = table.element.least_row_bytes();
     for (std::size_t first = 0; first < table.rows; first += kPieceRows) {
@@ -44,7 +44,7 @@ struct SplatRows {
   }
 };
 
-/// Adds the metadata of a piece to those of the file: counts add up, and other texts are kept once.
+/// Merges the metadata of a piece into that of the file: adds counts, and keeps the first of other texts.
 void add_piece(std::vector<std::pair<std::string, std::string>>& all,
                const std::vector<std::pair<std::string, std::string>>& piece) {
   for (const auto& [key, value] : piece) {

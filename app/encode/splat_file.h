@@ -10,14 +10,14 @@
 namespace gs::app {
 
 /// File of Gaussian splats that is read in pieces, so that it may exceed memory. The description has the metadata of an
-/// import (vectors_of_splats()). Any thread, but only one at a time.
+/// import (vectors_of_splats()). One thread at a time.
 struct SplatFile {
   qnv::GaussianSource source;
 };
 
 /// Opens a binary 3DGS or 2DGS PLY file with more than `more_than` rows. Reads it once. Returns nullopt for other
-/// files, and if the splats are discs of one opacity. `bytes` must outlive the result. Safe for untrusted input; memory
-/// is bounded by the size of a piece.
+/// files, and for splats that are discs of one opacity. `bytes` must outlive the result. Safe for untrusted input; the
+/// size of a piece bounds the memory.
 [[nodiscard]] std::optional<SplatFile> open_splat_file(std::span<const std::byte> bytes,
                                                        const PutAside& put_aside = {});
 [[nodiscard]] std::optional<SplatFile> open_splat_file(std::span<const std::byte> bytes, std::size_t more_than,

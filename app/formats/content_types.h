@@ -36,8 +36,8 @@ namespace gs::app {
 /// Returns the first bytes of a file, enough to detect its type. Decompresses them if the file is gzip-compressed.
 [[nodiscard]] std::vector<std::byte> first_bytes(std::span<const std::byte> bytes);
 
-/// Returns the file through which a local folder is opened: a metadata file of Zarr, N5 or SOG. Returns an empty text
-/// for other folders and for files.
+/// Returns the metadata file (Zarr, N5 or SOG) by which readers open a local folder. Returns an empty text for other
+/// folders and for files.
 [[nodiscard]] std::string file_of_folder(const std::string& path);
 
 /// Returns the list of types for help texts: "VRML97 (.wrl .wrz .vrml), PLY (.ply), ...".

@@ -23,7 +23,7 @@ void convert_values(const std::byte* from, std::int64_t stride, std::size_t coun
   }
 }
 
-// Converts doubles to floats, several at once if they have no gaps.
+// Converts doubles to floats, several at a time if they are contiguous.
 void narrow_doubles(const std::byte* from, std::int64_t stride, std::size_t count, std::byte* to) {
   const bool aligned = reinterpret_cast<std::uintptr_t>(from) % alignof(double) == 0 &&
                        reinterpret_cast<std::uintptr_t>(to) % alignof(float) == 0;

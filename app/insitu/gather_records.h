@@ -10,8 +10,8 @@
 
 namespace gs::app::insitu {
 
-/// Appends the records of all ranks to those of rank 0, in messages of about 1 MiB. If all records need more than
-/// `most_bytes`, removes them on all ranks instead, and sets `fits` to false. Collective. Returns false if the
+/// Appends the records of all ranks to those of rank 0, in messages of about 1 MiB. If all records together
+/// exceed `most_bytes`, removes them on all ranks instead, and sets `fits` to false. Collective. Returns false if the
 /// communication failed.
 template <class Record>
 [[nodiscard]] bool gather_records(Ranks& ranks, std::vector<Record>& records, std::uint64_t most_bytes, bool& fits) {

@@ -37,7 +37,7 @@ struct GridPart {
 
   /// Copies the values of component `c` in the slice `z` of the box to rows that are `pitch` bytes apart.
   void copy_slice(std::uint32_t c, std::uint32_t z, std::byte* to, std::size_t pitch) const;
-  /// Converts the values of component 0 in the slice `z` of the box to floats without gaps.
+  /// Copies the values of component 0 in the slice `z` of the box to a contiguous array of floats.
   void copy_floats(std::uint32_t z, float* to) const;
 };
 /// Returns the parts of one field of a plan, one for each block that owns elements.

@@ -17,7 +17,7 @@ struct StepDecision {
   std::uint32_t take = 0, parameters = 0, chunks = 0;
   std::int64_t next_contact = 0;
   std::array<double, Parameters::kMaxParameters> values{};
-  std::array<WantedChunk, 8> chunk{};  // that all ranks send now
+  std::array<WantedChunk, 8> chunk{};  // chunks that all ranks send now
 };
 
 struct OpenResult {

@@ -22,9 +22,9 @@ StepPlan InSituSession::make_plan(std::span<const RankFacts> all) {
   PlanWishes wishes;
   wishes.all_fields = !options_.folder.empty();
   wishes.field = chosen.empty() ? options_.field : chosen;
-  // Files are complete. Without them, nothing is encoded before a viewer requests it.
+  // Files need whole grids. Without files, nothing is encoded before a viewer requests it.
   wishes.keep = options_.folder.empty();
-  // Without a large error, codes of 16 bits may not suffice.
+  // Codes of 16 bits may not meet an absolute or a small relative error bound.
   constexpr double kErrorOfCodes = 1e-4;
   wishes.kept_bytes = options_.error > 0 || options_.relative_error < kErrorOfCodes ? sizeof(float) : 2;
   wishes.serial = serial_ + 1;
@@ -76,7 +76,7 @@ bool InSituSession::keep_step(const StepPlan& plan, StepData& data) {
   served.pyramid = pyramid;
   served.thinning = plan.kept_thinning;
   served.max_error = bound.of(whole.range);
-  // Viewers draw gradients of values, which would show the steps of coarser values.
+  // Rounds to a quarter of the remaining error, because gradients in viewers would show larger steps.
   served.rounding = std::max(static_cast<float>(served.max_error) - whole.error, 0.0F) / 4;
   served.grid.field = plan.kept_field.name.data();
   served.grid.unit = plan.kept_field.unit.data();

@@ -8,12 +8,12 @@
 namespace gs::app::insitu {
 namespace {
 
-// Share of the error bound that codes may use. Rounding uses the rest.
+// Share of the error bound that codes may use. The rest remains for rounding in encode_chunk().
 constexpr double kShareOfCodes = 0.25;
 
-// Values of a part of a chunk in a message. The values follow, as floats or as codes.
+// Header of a part of a chunk in a message. The values follow, as floats or as codes.
 struct PieceHeader {
-  std::uint32_t number = 0;  // of the chunk in the list
+  std::uint32_t number = 0;  // index of the chunk in the list
   std::uint32_t exact = 0;
   GridIndex first{}, size{};  // in the chunk
   CodeScale scale;
@@ -23,7 +23,7 @@ float missing_value() { return std::numeric_limits<float>::quiet_NaN(); }
 
 std::size_t points_in(const GridIndex& size) { return std::size_t{size[0]} * size[1] * size[2]; }
 
-// Copies the rows of a piece to their places in a chunk.
+// Copies the rows of a piece to their positions in a chunk.
 void place_piece(const PieceHeader& piece, const std::byte* from, const GridIndex& shape, std::vector<float>& to) {
   std::vector<std::int16_t> codes(piece.exact != 0 ? 0 : piece.size[0]);
   for (std::uint32_t z = 0; z < piece.size[2]; ++z)
@@ -49,11 +49,11 @@ bool is_inside(const PieceHeader& piece, const GridIndex& shape) {
 
 }  // namespace
 
-/// Part of a chunk that one part of a field has.
+/// Intersection of a chunk with one part of a field.
 struct KeptField::Piece {
   GridIndex first{}, size{};  // in the chunk
   GridIndex from{};           // first point in the part
-  std::uint32_t step = 1;     // between points of the part
+  std::uint32_t step = 1;     // distance between points, in points of the part
 };
 
 template <class Work>

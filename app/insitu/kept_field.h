@@ -16,7 +16,7 @@ namespace gs::app::insitu {
 
 /// Bound of the errors of values.
 struct ErrorBound {
-  double error = 0;           // in the unit of the values; 0 means that `relative_error` counts
+  double error = 0;           // in the unit of the values; 0 means that `relative_error` applies
   double relative_error = 0;  // share of the range of the values
 
   [[nodiscard]] double of(const FiniteRange& range) const {
@@ -29,8 +29,8 @@ struct ErrorBound {
 /// the error bound allows it, else they are floats.
 class KeptField {
  public:
-  /// Copies the field of a plan from the blocks. `expected` is the range of the step before; if it fits, the blocks are
-  /// read once. Uses the memory of `this` again.
+  /// Copies the field of a plan from the blocks. `expected` is the range of the previous step. Reads the blocks once if
+  /// that range suffices, else up to three times. Reuses the memory of this object.
   void keep(std::span<const BlockView> blocks, const StepPlan& plan, const ErrorBound& bound,
             const FiniteRange& expected);
   /// Returns the range of the values of this rank.
@@ -41,9 +41,9 @@ class KeptField {
   [[nodiscard]] const Pyramid& pyramid() const { return pyramid_; }
   [[nodiscard]] std::uint64_t serial() const { return serial_; }
 
-  /// Returns the values of a chunk, the last dimension first. Values that other ranks own are NaN.
+  /// Stores the values of a chunk in `values`; x varies fastest. Values of other ranks become NaN.
   void read(const Chunk& chunk, std::vector<float>& values) const;
-  /// Appends the values of a chunk that this rank owns to a message.
+  /// Appends this rank's values of a chunk to a message.
   void pack(const Chunk& chunk, std::uint32_t number, std::vector<std::byte>& message) const;
 
  private:
@@ -65,8 +65,8 @@ class KeptField {
   std::uint64_t serial_ = 0;
 };
 
-/// Collects chunks of the kept fields of all ranks on rank 0. Collective; all ranks pass equal lists. Each entry of
-/// `kept` belongs to the chunk at the same place, or is null. Returns false if the communication failed.
+/// Collects chunks of the kept fields of all ranks on rank 0. Collective; all ranks pass equal lists. Entry i of
+/// `kept` belongs to chunk i, or is null. Returns false if the communication failed.
 [[nodiscard]] bool gather_chunks(Ranks& ranks, std::span<const KeptField* const> kept, std::span<const Chunk> chunks,
                                  const std::function<void(std::size_t number, std::vector<float> values)>& deliver);
 

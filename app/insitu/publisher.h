@@ -51,7 +51,7 @@ class Publisher : NonCopyable {
   [[nodiscard]] std::vector<WantedChunk> take_wanted(std::size_t most) { return shelf_.take_wanted(most); }
   /// Receives a chunk that take_wanted() returned.
   void deliver(const WantedChunk& wanted, std::vector<float> values);
-  /// Drops the older of the two kept steps, before the next one is kept.
+  /// Drops the older of the two kept steps, to make room for the next one.
   void drop_older() { shelf_.drop_older(); }
   [[nodiscard]] std::uint16_t port() const { return server_ ? server_->port() : 0; }
   /// Returns the file with the token; empty if there is none.

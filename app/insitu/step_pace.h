@@ -20,8 +20,8 @@ class StepPace {
   /// two per second. The first step gets a small size. Without a limited share, returns the maximum number.
   [[nodiscard]] std::uint64_t affordable_bytes(std::int64_t number, double now, double own) const;
   /// Returns the number of steps after the step `number` until the ranks must agree again, at least 1. If `takes` is
-  /// false, no step is needed now. Then the ranks agree only for new parameters and viewers, each `interval` seconds.
-  /// An interval below kContactSeconds holds for steps that cannot be taken, too.
+  /// false, no step is needed now. Then the ranks agree only on new parameters and viewers, every `interval` seconds.
+  /// With an interval below kContactSeconds, they also agree at steps that cannot be taken.
   [[nodiscard]] std::int64_t steps_until_contact(std::int64_t number, double now, double own, bool takes,
                                                  double interval = kContactSeconds) const;
 

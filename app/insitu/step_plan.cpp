@@ -70,7 +70,7 @@ void plan_grid(std::span<const RankFacts> ranks, const PlanWishes& wishes, StepP
     plan.grid_fields = 0;
     std::uint64_t most = 0;
     for (const RankFacts& rank : ranks) most = std::max(most, rank.blocks.count);
-    // Flat axes cannot be thinned.
+    // Thinning does not shrink flat axes.
     double part = 1;
     for (const std::uint32_t points : grid_size(plan.grid, plan.kept_field.of_cells != 0, 1))
       if (points > 1) part /= 2;
@@ -139,7 +139,7 @@ StepPlan plan_step(std::span<const RankFacts> ranks, const PlanWishes& wishes) {
     plan.has_particles = 1;
     std::uint64_t count = 0;
     for (const RankFacts& rank : ranks) count += std::min(rank.particles.count, UINT64_MAX / 64 / ranks.size());
-    // Each rank rounds its number up.
+    // Each rank rounds its number of particles up; leave room for one more per rank.
     const std::uint64_t most = wishes.max_records / sizeof(ParticlePoint);
     const std::uint64_t room = most > ranks.size() ? most - ranks.size() : 1;
     plan.particle_stride =

@@ -37,7 +37,7 @@ struct GridFacts {
   friend bool operator==(const GridFacts&, const GridFacts&) = default;
 };
 
-/// Particle as rank 0 collects it, with its position relative to StepPlan::origin.
+/// Particle that rank 0 collects. The position is relative to StepPlan::origin.
 struct ParticlePoint {
   std::array<float, 3> position{};
   float value = 0;  // NaN without a field
@@ -58,7 +58,7 @@ struct StepPlan {
   std::uint32_t grid_fields = 0, has_cells = 0, has_particles = 0;
   std::array<FieldFacts, kMaxFields> grid_field{};
   FieldFacts cell_field, particle_field;  // an empty name means no field
-  // Field that the ranks keep for requests of viewers, if `keeps` is 1. It is then not one of `grid_field`.
+  // If `keeps` is 1: field that the ranks keep for requests of viewers. `grid_field` does not contain it.
   std::uint32_t keeps = 0, kept_thinning = 1;
   std::uint64_t serial = 0;  // number of the kept step
   FieldFacts kept_field;
@@ -75,18 +75,18 @@ struct StepPlan {
 /// Returns the number of points of a thinned grid along each axis, or of cells for fields of cells.
 [[nodiscard]] std::array<std::uint32_t, 3> grid_size(const GridFacts& grid, bool of_cells, std::uint32_t thinning);
 
-/// Requests of rank 0 for plans.
+/// Options of rank 0 for plan_step().
 struct PlanWishes {
   bool all_fields = false;                 // true for all fields of grids, false for `field` only
   std::string field;                       // empty or unknown means the first field
   std::uint64_t max_memory = 0;            // for grids
   std::uint64_t max_records = UINT64_MAX;  // bytes of the triangles of cells, or of particles
-  bool keep = false;                       // lets ranks keep a large grid for requests, instead of sending it
-  double kept_bytes = 2;                   // memory of a kept value
+  bool keep = false;                       // ranks keep a large grid for requests instead of sending it
+  double kept_bytes = 2;                   // bytes of memory for a kept value
   std::uint64_t serial = 0;                // for StepPlan::serial
 };
-/// Maximum number of points of a grid that rank 0 collects although PlanWishes::keep is set, because it is encoded as
-/// quickly as requests are answered.
+/// Maximum number of points of a grid that rank 0 collects although PlanWishes::keep is set. Encoding such a grid takes
+/// no longer than answering requests.
 inline constexpr std::uint64_t kMaxCollectedPoints = std::uint64_t{1} << 16;
 /// Number of steps that each rank keeps.
 inline constexpr std::size_t kKeptSteps = 2;

@@ -45,7 +45,7 @@ struct StepStream {
   StreamKind kind = StreamKind::volume;
   std::string field, unit;
   std::vector<std::byte> bytes;
-  double max_error = 0;                          // of values of a volume, in their unit, as the stream states it
+  double max_error = 0;                          // of the values of a volume, in their unit; the stream states it
   std::uint32_t thinning = 1;                    // of a grid or of particles
   std::shared_ptr<ServedGrid> served = nullptr;  // served instead of `bytes`; null for streams
 };

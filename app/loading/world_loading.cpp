@@ -40,8 +40,8 @@ std::optional<net::Url> stream_of(const net::Url& url, const LoadOptions& option
   return stream;
 }
 
-// Returns the URLs of lists that a URL may stand for: of a folder, with a slash at its end, or of a series of numbered
-// files. Returns no URL for other URLs.
+// Returns the URLs of the lists for a folder (a URL with a slash at its end) or for a series of numbered files. Returns
+// an empty list for other URLs.
 std::vector<net::Url> lists_of(const net::Url& asked, const std::string& text) {
   const auto series = series_of_url(text);
   if (!series && !asked.path.ends_with('/')) return {};

@@ -51,7 +51,7 @@ class Archive {
   [[nodiscard]] std::optional<std::uint16_t> cells_port() const;
   /// Serves a connected socket, if `standard_streams`. Any thread.
   void adopt(net::Descriptor socket) { http_->adopt(std::move(socket)); }
-  /// Lets the server ask again for content. Any thread.
+  /// Lets the server call `content` again for waiting requests. Any thread.
   void wake() { http_->wake(); }
   /// Returns the HTTP server; null if HTTP is off.
   [[nodiscard]] const net::HttpServer* http() const { return http_.get(); }

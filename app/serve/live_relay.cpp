@@ -17,7 +17,7 @@ using RelayClock = std::chrono::steady_clock;
 
 constexpr std::uint64_t kMostRelayedBytes = std::uint64_t{256} << 20;
 constexpr std::size_t kMostRelayed = 64;
-// Time for which a received resource is kept: streams and chunks never change, others do.
+// Time for which a received resource stays cached: streams and chunks never change, other resources do.
 constexpr std::chrono::milliseconds kKeptSteady{10'000}, kKeptChanging{200};
 
 bool is_steady(const std::string& resource) {
@@ -60,7 +60,7 @@ net::HeldContent LiveRelay::content(const net::ContentRequest& request) {
   using State = net::HeldContent::State;
   const auto path = live_path(request.path);
   if (!path) return {};
-  // The document of a simulation may read below its file only.
+  // Serves only documents that may read no more than the resources below a file of a simulation.
   if (!request.within.empty() && !live_path(request.within)) return {};
   drop_old();
   const auto found = pending_.find(request.path);

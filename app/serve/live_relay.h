@@ -15,7 +15,7 @@
 namespace gs::app {
 
 /// Connection of `serve --stdio` to running simulations of its user (docs/insitu.md). Below a file NAME.live, it serves
-/// the resources of the server that the file names. Changes of parameters get the token of the file. Used by one
+/// the resources of the server that the file names. It adds the token of the file to changes of parameters. One
 /// thread; requests run on other threads.
 class LiveRelay : NonCopyable {
  public:
@@ -43,12 +43,12 @@ class LiveRelay : NonCopyable {
   std::map<std::string, Pending> pending_;  // by path
 };
 
-/// Path of a resource below a file of a simulation.
+/// Path of a file of a simulation, and path of a resource below it.
 struct LivePath {
   std::string file, resource;  // "/home/ann/run/heat.live", "insitu.json"
 };
-/// Splits a path such as "home/ann/run/heat.live/insitu.json". Returns nullopt if no name of a folder in it has the
-/// ending of such files.
+/// Splits a path such as "home/ann/run/heat.live/insitu.json". Returns nullopt if no folder in the path has
+/// the extension kLiveFileEnding.
 [[nodiscard]] std::optional<LivePath> live_path(std::string_view path);
 
 }  // namespace gs::app

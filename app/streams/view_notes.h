@@ -11,7 +11,7 @@
 
 namespace gs::app {
 
-/// Views of a geometry that has no chunks: a reader chooses files by them. Any thread.
+/// Views of a geometry without chunks, by which a reader chooses files. Any thread.
 class ViewNotes final : public qnv::ChunkRequests {
  public:
   bool set_directory(std::span<const std::byte>) override { return false; }
@@ -27,7 +27,7 @@ class ViewNotes final : public qnv::ChunkRequests {
   }
   [[nodiscard]] std::vector<qnv::LodView> views() const override {
     const std::lock_guard lock(mutex_);
-    // In the order of the viewports, so that equal views compare equal.
+    // Sorts by viewport, so that equal views compare equal.
     std::vector<qnv::LodView> sorted = views_;
     std::ranges::sort(sorted, {}, &qnv::LodView::viewport);
     return sorted;

@@ -7,7 +7,7 @@
 
 namespace gs::app {
 
-/// Transfer of the parts that views choose, as long as the world is shown. Reader thread only.
+/// Transfer of the parts that views choose while the world is shown. Reader thread only.
 class ViewedTransfer : NonCopyable {
  public:
   virtual ~ViewedTransfer() = default;
@@ -15,7 +15,7 @@ class ViewedTransfer : NonCopyable {
   virtual bool ask_for_more() = 0;
   /// Handles an event of the loader. Returns false if the event belongs to another transfer.
   virtual bool take(net::LoadEvent& event) = 0;
-  /// Returns true if a fetch receives the parts, and ends with them.
+  /// Returns true if a fetch receives the parts, so that it ends with the transfer.
   [[nodiscard]] virtual bool has_fetch() const { return false; }
   /// Cancels all requests and ends the transfer.
   virtual void cancel() = 0;

@@ -46,7 +46,7 @@ std::optional<Pose> pose_of_camera(const std::vector<double>& camera, const Pose
   return valid_pose(pose, before);
 }
 
-// Returns the place of a file as bookmarks keep it. A signature is a secret, and expires.
+// Returns the path or URL for a bookmark. Removes signatures, because they are secret and expire.
 std::string place_to_keep(const std::string& path) { return net::without_signature(absolute_place(path)); }
 
 }  // namespace
@@ -110,7 +110,7 @@ void ViewBookmarks::open(std::size_t index) {
   if (index >= store_.bookmarks().size()) return;
   const Bookmark bookmark = store_.bookmarks()[index];
   const View* seen = session_.view();
-  // If the file is already open by another spelling of its path, or with a signature, use that spelling.
+  // If the file is already open under another spelling, or with a signature, uses that spelling.
   std::string place = bookmark.place;
   for (const DocumentList::Entry& entry : session_.panes().documents().entries())
     if (place_to_keep(entry.path) == place) place = entry.path;

@@ -54,7 +54,7 @@ bool ViewerController::shows_rates() const {
   return std::any_of(readings_.begin(), readings_.end(), [](const RateHistory& one) { return one.rate() > 0; });
 }
 
-// Reports whether a pane shows a step of a running simulation while it loads the next one. This needs no notice.
+// Reports whether a viewport shows a step of a running simulation and loads the next one, which needs no notice.
 static bool shows_live_step(const Pane& pane) {
   const View* const view = pane.shown == pane.wanted ? pane.view() : nullptr;
   return view && !view->document->world.live.empty();

@@ -10,7 +10,7 @@ namespace {
 // Max vectors of streams that are decoded in a frame for all viewports. Takes about 20 ms of one core.
 constexpr std::size_t kMaxDecoded = 250'000;
 constexpr double kMaxUninterrupted = 0.4;  // seconds of drawing after which new events can cancel a picture
-constexpr double kMaxAhead = 0.25;         // seconds that a picture is expected to take, at most
+constexpr double kMaxAhead = 0.25;         // maximum of the expected drawing time, in seconds
 constexpr int kSettlingFramesAfterWait = 3;
 constexpr glm::vec3 kEmptyBackground(0.17f, 0.18f, 0.20f);
 
@@ -119,7 +119,7 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   draw.coarseness = PictureDetail::kQualities[level].coarseness;
   draw.splat_error = PictureDetail::splat_error(level);
   if (PictureDetail::kQualities[level].one_sample) draw.samples = 1;
-  // Fades are those of the time at which the picture will be visible.
+  // Uses the fades of the time at which the picture will be visible.
   draw.time = begin + std::min(picture_seconds_, kMaxAhead);
   draw.go_on = [this, begin] {
     if (interface_first_) return false;

@@ -17,8 +17,8 @@ struct SogPeer {
 /// Exports Gaussians as SOG, and reads the file. Both parts are empty on failure.
 [[nodiscard]] SogPeer sog_of(const qnv::Gaussians& source);
 
-/// Reads the levels of a streamed SOG from the folder of its lod-meta.json, the coarsest first. The bytes are those
-/// that must have arrived: lod-meta.json, and the files of the coarsest level and of this level.
+/// Reads the levels of a streamed SOG from the folder of its lod-meta.json, the coarsest first. The bytes of a
+/// level are those of lod-meta.json and of the files of the coarsest level and of this level.
 [[nodiscard]] std::vector<SogPeer> sog_levels_of(const std::string& folder);
 
 }  // namespace gs::bench

@@ -25,7 +25,7 @@ struct Scheme {
   bool from_network;  // documents from a network or a data: URL may use the scheme
   bool redirect_target;  // a server may redirect to the scheme
   bool cached;  // received answers are stored on disk
-  bool buckets;  // a folder may be a prefix of keys in a bucket of an object store
+  bool buckets;  // folders may be prefixes of keys in buckets of an object store
   bool secure;           // the connection is encrypted and authenticated
   bool has_host;  // transfers per host are limited
   bool needs_host;       // a URL without a host is invalid

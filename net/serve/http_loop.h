@@ -60,7 +60,7 @@ class HttpLoop : NonCopyable {
     AccessRecord record;
     Instant begin{};
     bool seen = false;             // the headers of the request were read
-    bool counted = false;          // counted as a concurrent request of a client behind a proxy
+    bool counted = false;          // counts as a concurrent request of a client behind a proxy
     std::optional<Instant> until;  // end of the wait for a made file
     std::uint64_t id = 0;
   };

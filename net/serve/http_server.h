@@ -148,7 +148,7 @@ class HttpServer : NonCopyable {
   [[nodiscard]] std::uint16_t port() const;
   /// Serves a connected socket. Any thread.
   void adopt(Descriptor socket);
-  /// Lets the server ask again for content that requests wait for. Any thread.
+  /// Lets the server call `content` again for waiting requests. Any thread.
   void wake();
   /// Returns the statistics. Any thread.
   [[nodiscard]] HttpServerStatistics statistics() const;

@@ -4,12 +4,12 @@
 
 namespace gs::qnv {
 
-/// Sum of numbers in fixed point with `kBits` bits after the point. Unlike sums of floats, it does not depend on the
-/// order of its terms, so that threads and processes may add parts of it. Wraps around on overflow.
+/// Sum of numbers in fixed point with `kBits` bits after the point. Unlike a sum of floats, it does not depend on
+/// the order of its terms. So threads and processes may sum parts. Wraps around on overflow.
 template <int kBits>
 class FixedSum {
  public:
-  /// Adds a number. Ignores numbers that are not finite, or at least 2^(62 - kBits).
+  /// Adds a number. Ignores numbers that are not finite, or have a magnitude of at least 2^(62 - kBits).
   void add(float number) {
     constexpr float kScale = static_cast<float>(std::uint64_t{1} << kBits);
     constexpr float kMost = static_cast<float>(std::uint64_t{1} << 62);

@@ -90,7 +90,7 @@ struct Gaussians : Splats {
   /// Coefficients of degrees 1 to `degree`: harmonic_count(degree) per splat, in the axes of the geometry.
   std::vector<glm::vec3> harmonics;
   bool antialiased = false;  // opacities are for splats that are widened to pixels with equal energy (Mip-Splatting)
-  /// Stream of which every view takes its own cut; the arrays are then empty. Null if the arrays have all splats.
+  /// Stream from which each view takes its own cut; the arrays are then empty. Null if the arrays have all splats.
   std::shared_ptr<SplatStream> stream;
 
   /// Reports whether there is nothing to draw.

@@ -13,10 +13,10 @@ namespace gs::qnv {
   return key ^ key >> 32;
 }
 
-/// Distinct keys, numbered in the order of their first use: a hash table with open addressing. At most 2^32 - 1 keys.
+/// Hash table (open addressing) that numbers distinct keys in the order of their first use. At most 2^32 - 1 keys.
 class KeyTable {
  public:
-  /// Returns the number of a key. Adds the key if it is new; its number is then the former size().
+  /// Returns the number of a key. Adds a new key, with the previous size() as its number.
   std::uint32_t add(std::uint64_t key) {
     if (keys_.size() * 2 >= table_.size()) grow();
     std::size_t slot = first_slot(key);

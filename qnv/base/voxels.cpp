@@ -49,7 +49,7 @@ namespace {
 // log2 of a block's edge in voxels. Small enough that the table stays in the processor's cache; large enough that few
 // triangles cross blocks.
 constexpr int kBlockBits = 5;
-constexpr std::size_t kBatch = std::size_t{1} << 19;        // maximum number of triangles that wait for the threads
+constexpr std::size_t kBatch = std::size_t{1} << 19;        // maximum number of triangles in a batch
 constexpr std::size_t kMaxMeetings = std::size_t{1} << 22;  // maximum number of triangle-block pairs in one batch
 constexpr std::uint32_t kBlockEdge = 1u << kBlockBits;
 
@@ -273,7 +273,7 @@ SurfaceMoments MomentSums::moments() const {
   SurfaceMoments m;
   m.area = static_cast<float>(area.value());
   if (!(m.area > 0)) return {};
-  // Tiny areas have few bits. Rounding must not move the surface out of its voxel, nor make normals too long.
+  // Sums of tiny areas have few bits. Clamps the rounding errors of position and length of the normal.
   m.position = glm::clamp(value_of(position), glm::vec3(-0.5f * m.area), glm::vec3(0.5f * m.area));
   m.normal = value_of(normal);
   const float length = std::sqrt(glm::dot(m.normal, m.normal));

@@ -43,9 +43,9 @@ struct Voxel {
   SurfaceMoments moments;
 };
 
-/// Moments of a voxel as sums that do not depend on the order of the triangles, nor on their distribution to processes.
+/// Moments of a voxel as sums. They do not depend on the order of triangles, nor on their division into processes.
 struct MomentSums {
-  using Sum = FixedSum<40>;  // of areas: as many as 2^23 full faces
+  using Sum = FixedSum<40>;  // range: areas of 2^23 full faces
   Sum area;
   std::array<Sum, 3> position, normal;
   std::array<FixedSum<28>, 3> color;
@@ -55,7 +55,7 @@ struct MomentSums {
   [[nodiscard]] SurfaceMoments moments() const;
 };
 
-/// Voxel of a part of a surface.
+/// Voxel with the sums of a part of a surface.
 struct VoxelSums {
   std::uint64_t key = 0;  // Morton code at the voxel's level
   MomentSums sums;
@@ -80,7 +80,7 @@ class SurfaceVoxelizer : NonCopyable {
   void add(std::span<const Triangle> triangles);
   /// Returns the voxels that contain parts of the surface, by ascending key. Call it once, at the end.
   [[nodiscard]] std::vector<VoxelSums> sums();
-  /// Returns the moments of sums(). Call one of both functions once.
+  /// Returns the moments of sums(). Call either function, only once.
   [[nodiscard]] std::vector<Voxel> finish();
 
  private:
@@ -88,7 +88,7 @@ class SurfaceVoxelizer : NonCopyable {
   std::unique_ptr<State> state_;
 };
 
-/// Returns the voxels with these sums, in the same order. Leaves out a voxel if its area is too small for the sums.
+/// Returns the voxels with these sums, in order. Omits a voxel if its area is too small for the precision of the sums.
 [[nodiscard]] std::vector<Voxel> voxels_of(std::span<const VoxelSums> sums);
 
 /// Returns the voxels of the next coarser level.

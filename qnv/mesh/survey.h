@@ -24,7 +24,7 @@ struct SurfaceSurvey {
   glm::dvec3 colors{0};  // sum of all triangle colours, weighted by area
 
   void add(std::span<const Triangle> triangles);
-  /// Adds the statistics of the triangles that follow.
+  /// Adds the statistics of later triangles.
   void add(const SurfaceSurvey& later);
   /// Returns the only colour, or the mean colour, which is drawn until the colours are received.
   [[nodiscard]] Rgb8 mean_color() const;

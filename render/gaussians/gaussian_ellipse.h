@@ -9,15 +9,15 @@ namespace gs::render {
 /// View of the splats of one item.
 struct GaussianLens {
   std::array<std::array<float, 3>, 4> camera_from_node;  // columns
-  float pixels_x, pixels_y;                              // pixels per length 1 at depth 1
+  float pixels_x, pixels_y;                              // pixels per unit of length at depth 1
   float middle_x, middle_y;                              // pixel position of the optical axis
-  float left, right, bottom, top;                        // tangents at which the projection is linearised at most
+  float left, right, bottom, top;                        // bounds of the tangents where the projection is linearised
   float last_x, last_y;                                  // last pixels of the view
   float near_plane;
   bool antialiased;  // see qnv::Gaussians
 };
 
-/// Eight splats, and their ellipses in the picture.
+/// Eight splats and their ellipses in the picture.
 struct alignas(32) EightGaussians {
   static constexpr std::size_t kLanes = 8;
   using Numbers = std::array<float, kLanes>;
@@ -26,8 +26,8 @@ struct alignas(32) EightGaussians {
   Numbers seen_x, seen_y, seen_z, distance;  // centre in camera space, and its squared distance from the eye
   Numbers x, y, xx, xy, yy, peak;            // as in GaussianSplat
   Numbers left, right, bottom, top;          // as in GaussianSplat
-  std::uint32_t placed = 0;                  // a bit per splat that is before the eye and visible at its centre
-  std::uint32_t visible = 0;                 // a bit per splat with an ellipse in view
+  std::uint32_t placed = 0;                  // bit per splat: beyond the near plane and not too faint
+  std::uint32_t visible = 0;                 // bit per splat: its ellipse is in view
 };
 
 /// Projects eight splats by EWA (see project_gaussians). Accepts any numbers.

@@ -85,7 +85,7 @@ struct GaussianSurvey {
 };
 
 GaussianSurvey survey(std::span<const GaussianItem> items, const SplatView& view) {
-  std::size_t total = 0, sampled = 0, before = 0;  // `before`: splats of earlier items
+  std::size_t total = 0, sampled = 0, before = 0;  // `before`: number of splats in earlier items
   for (const GaussianItem& item : items) total += item.count;
   const std::size_t blocks = std::min(kSurveyedBlocks, (total + kSurveyedBlock - 1) / kSurveyedBlock);
   ProjectedGaussians found;

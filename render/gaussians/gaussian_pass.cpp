@@ -21,7 +21,7 @@
 namespace gs::render {
 namespace {
 
-// Vectors that take as long to decode as one Gaussian.
+// Number of vectors that take as long to decode as one Gaussian.
 constexpr std::size_t kDecodingCost = 8;
 
 const qnv::Gaussians* gaussians_of(const SplatItem& item) {
@@ -33,7 +33,7 @@ const qnv::Gaussians* gaussians_of(const SplatItem& item) {
 struct GaussianScene {
   std::vector<std::shared_ptr<const qnv::Gaussians>> held;
   std::vector<GaussianItem> items;
-  bool pending = false;  // the next image of this view would differ
+  bool pending = false;  // the next image of this view will differ
 };
 
 /// Collects the Gaussians of an image.
@@ -67,7 +67,7 @@ class GaussianCollector {
   }
 
  private:
-  /// Returns the item without its Gaussians.
+  /// Returns the properties of an item without its Gaussians.
   [[nodiscard]] GaussianItem item_of(const SplatItem& item) const {
     GaussianItem own;
     own.camera_from_node = glm::mat4(camera_from_world_ * item.world_from_node);
@@ -104,7 +104,7 @@ class GaussianCollector {
     own.count = gaussians.size();
   }
 
-  /// Adds the cut of a stream for the whole image, so that its tiles match.
+  /// Adds the cut of a stream. Takes it for the whole image, so that tiles of the image match.
   void add_cut(const SplatItem& item, qnv::SplatStream& stream, std::size_t budget) {
     const PhaseScope phase(gl_.phases, Phase::cut);
     auto lod = view_of(item, stream, budget);
@@ -132,7 +132,7 @@ class GaussianCollector {
   SplatView whole_;
   float back_;
   std::size_t decodable_, streams_ = 0;
-  std::unordered_map<const qnv::ChunkRequests*, std::uint32_t> shown_;  // instances of each stream so far
+  std::unordered_map<const qnv::ChunkRequests*, std::uint32_t> shown_;  // number of instances of each stream so far
   GaussianScene scene_;
 };
 

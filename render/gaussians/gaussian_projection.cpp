@@ -22,12 +22,12 @@ constexpr float kSurfelMargin = 1e-2f;
 
 /// Surfel in camera space.
 struct SeenSurfel {
-  glm::vec3 place;  // of the centre
+  glm::vec3 place;  // position of the centre
   glm::vec3 u, v;   // standard deviations along its axes
   float opacity;
 };
 
-/// Returns the lens for the splats of an item.
+/// Returns the lens for an item's splats.
 GaussianLens lens_of(const VolumeLens& lens, const SplatView& view, bool antialiased) {
   GaussianLens made{};
   for (std::size_t column = 0; column < 4; ++column)
@@ -96,7 +96,7 @@ bool is_in_view(const GaussianLens& lens, const GaussianSplat& splat) {
   return splat.right >= 0 && splat.top >= 0 && splat.left <= lens.last_x && splat.bottom <= lens.last_y;
 }
 
-/// Reads the splats of an item from index `first` on. Those from `end` on, and those that are clipped, get no opacity.
+/// Reads eight splats of an item from index `first` on. Splats from `end` on and clipped splats get the opacity 0.
 void read_eight(const GaussianItem& item, std::size_t first, std::size_t end, EightGaussians& eight) {
   const qnv::Gaussians& g = *item.gaussians;
   for (std::size_t k = 0; k < EightGaussians::kLanes; ++k) {

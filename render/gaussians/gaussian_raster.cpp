@@ -19,24 +19,24 @@ namespace {
 
 constexpr std::size_t kProjectedRange = 8192;                       // splats per projection task
 constexpr std::size_t kListedRange = 4096, kLeastListedRange = 64;  // splats per task that makes lists of regions
-constexpr std::size_t kMostCounts = std::size_t{1} << 22;           // of entries of a region in a range
-constexpr std::size_t kMostEntries = std::size_t{1} << 21;          // of all regions that are kept at once
+constexpr std::size_t kMostCounts = std::size_t{1} << 22;           // counts of entries (one per region and range)
+constexpr std::size_t kMostEntries = std::size_t{1} << 21;          // entries in the lists of all regions, per batch
 constexpr int kRegionTiles = 4;                                     // tiles along the side of a region
 constexpr int kRegion = kRegionTiles * kGaussianTile;               // pixels along the side of a region
 constexpr std::size_t kPrefetched = 16;                             // splats between a prefetch and its use
-constexpr std::size_t kMostKeptBytes = std::size_t{128} << 20;      // of arrays that the next picture reuses
-constexpr std::size_t kGatheredSplats = 512;                        // of a region that are blended together
+constexpr std::size_t kMostKeptBytes = std::size_t{128} << 20;      // bytes of arrays that the next picture reuses
+constexpr std::size_t kGatheredSplats = 512;                        // splats of a region to blend together
 
 /// Tiles that a splat touches, inclusive.
 struct TileRange {
   std::uint16_t left, right, bottom, top;
 };
 
-/// Parts of a splat that the lists need.
+/// Data of a splat for the lists.
 struct PlacedGaussian {
   TileRange tiles;
   float depth;          // along the view axis
-  std::uint32_t index;  // kProjectedRange * part + index in the part
+  std::uint32_t index;  // kProjectedRange * task + index in the task
 };
 
 /// Splat in the list of a region.
@@ -83,7 +83,7 @@ void project_all(std::span<const GaussianItem> items, const SplatView& view, std
   };
   std::vector<Run> runs;
   std::vector<std::size_t> tasks{0};  // first run of each task, then the end
-  std::size_t listed = 0;             // splats of the last task so far
+  std::size_t listed = 0;             // input splats of the last task so far
   for (std::size_t i = 0; i < items.size(); ++i) {
     const std::size_t count = items[i].gaussians ? std::min(items[i].count, items[i].gaussians->size()) : 0;
     for (std::size_t first = 0, last = 0; first < count; first = last) {
@@ -112,7 +112,7 @@ void project_all(std::span<const GaussianItem> items, const SplatView& view, std
       view.threads);
 }
 
-/// Arrays of a picture. The next picture reuses them, because the system clears the pages of new ones.
+/// Arrays of a picture. The next picture reuses them, because the system must clear the pages of new arrays.
 struct GaussianArrays {
   std::vector<ProjectedPart> parts;
   std::vector<GaussianKey> keys, moved_keys;
@@ -146,7 +146,7 @@ class KeptArrays {
   std::unique_ptr<GaussianArrays> kept_;
 };
 
-/// Orders the splats by ascending distance from the eye; equal ones keep their order.
+/// Sorts the splats by ascending distance from the eye. The sort is stable.
 void put_in_order(GaussianArrays& arrays, const SplatView& view) {
   const std::span<const ProjectedPart> parts = arrays.parts;
   std::vector<GaussianKey>& keys = arrays.keys;
@@ -193,11 +193,11 @@ void set_least_depths(std::span<ProjectedPart> parts, std::span<const PlacedGaus
   }
 }
 
-/// Pixels of a region. Tile kRegionTiles * row + column.
+/// Pixels of a region. The index of a tile is kRegionTiles * row + column.
 struct GaussianRegion {
   static constexpr std::size_t kTiles = std::size_t{kRegionTiles} * kRegionTiles;
   std::array<GaussianTile, kTiles> tiles;
-  std::uint32_t open = (1u << kTiles) - 1, used = 0;  // a bit per tile
+  std::uint32_t open = (1u << kTiles) - 1, used = 0;  // one bit per tile
 };
 
 /// Draws ordered splats: gives regions lists of their splats in batches, from near to far, and blends them.
@@ -241,13 +241,13 @@ class GaussianPainter {
             column);
   }
 
-  /// Returns the tiles of a row or column of regions that the tiles first to last overlap.
+  /// Returns the part of the tiles `first` to `last` in a region, as tile numbers of that region. Works along one axis.
   static std::pair<std::uint8_t, std::uint8_t> inside(int region, int first, int last) {
     return {static_cast<std::uint8_t>(std::max(first - region * kRegionTiles, 0)),
             static_cast<std::uint8_t>(std::min(last - region * kRegionTiles, kRegionTiles - 1))};
   }
 
-  /// Calls work(first, last, counts of the range) for the splats of ranges first_range to last_range - 1.
+  /// Calls work(first, last, counts) for each of the ranges first_range to last_range - 1, with its splats and counts.
   template <class Work>
   void for_ranges(std::size_t first_range, std::size_t last_range, const Work& work) {
     parallel_for(
@@ -259,12 +259,12 @@ class GaussianPainter {
         view_.threads);
   }
 
-  /// Returns the number of splats of each region in a range that was counted.
+  /// Returns the number of splats in each region, for a counted range.
   [[nodiscard]] std::uint32_t* counts_of(std::size_t range) const {
     return counts_.data() + (range - counted_from_) * regions_;
   }
 
-  /// Counts the splats of each region, for as many ranges of splats from `first` on as fit into the counts.
+  /// Counts the splats in each region, for as many ranges from `first` on as fit into kMostCounts.
   void count_entries(std::size_t first) {
     counted_from_ = first;
     counted_to_ = std::min(ranges_, first + std::max<std::size_t>(1, kMostCounts / regions_));
@@ -279,7 +279,7 @@ class GaussianPainter {
     states_.clear();
     states_.resize(regions_);
     for (std::size_t first = 0; first < ranges_;) {
-      // A batch is as many ranges as fit into the entries, and at least one.
+      // A batch has as many ranges as fit into kMostEntries, but at least one.
       std::size_t last = first, entries = 0;
       if (first < counted_from_ || first >= counted_to_) count_entries(first);
       while (last < counted_to_) {
@@ -324,7 +324,7 @@ class GaussianPainter {
         });
       }
     });
-    // Long lists first, so that all threads end at the same time.
+    // Blends long lists first, so that all threads end at nearly the same time.
     std::vector<std::uint32_t> sequence(regions_);
     std::iota(sequence.begin(), sequence.end(), 0u);
     std::ranges::stable_sort(sequence, std::greater{},
@@ -397,7 +397,7 @@ class GaussianPainter {
     }
   }
 
-  /// Clears a tile with the lower left pixel (x, y), and sets its stops.
+  /// Clears a tile with the lower left pixel (left, bottom), and sets its stops.
   void begin(GaussianTile& tile, int left, int bottom, std::span<const float> stops) const {
     tile.clear_pixels();
     for (int y = 0; !stops.empty() && y < kGaussianTile; ++y)

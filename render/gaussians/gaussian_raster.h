@@ -20,7 +20,7 @@ namespace gs::render {
 
 constexpr float kGaussianLowPass = 0.3f;          // added to the variances, in pixels^2 (3DGS)
 constexpr float kGaussianFarthestTangent = 1.3f;  // of the half view; the projection is linearised at most there (3DGS)
-constexpr float kGaussianFadeGain = 2.8f;         // of faded_opacity()
+constexpr float kGaussianFadeGain = 2.8f;         // factor in faded_opacity()
 constexpr float kGaussianMostReach = 1e5f;        // pixels; larger splats are not drawn
 
 /// Gaussian splats that are part of an image.
@@ -35,8 +35,8 @@ struct GaussianItem {
   float presence = 1;     // share of the opacity; below 1 for splats that fade in or out
 };
 
-/// Returns the opacity of a splat that fades in or out. Two shares of it together have about the opacity of the whole
-/// one, and the visible part of each changes evenly with the share, in front of the other or behind.
+/// Returns the opacity of a splat that fades in or out. Two splats with shares that sum to 1 have together about the
+/// opacity of the whole splat. The visible part of each changes evenly with its share, whichever is in front.
 [[nodiscard]] inline float faded_opacity(float opacity, float presence) {
   if (!(presence < 1)) return opacity;
   const float most = std::min(opacity, kGaussianMostAlpha);

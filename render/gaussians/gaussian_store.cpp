@@ -164,7 +164,7 @@ bool GaussianStore::resize(std::size_t capacity) {
   return true;
 }
 
-// Finds room for an entry. Frees data that was not used in recent frames if necessary.
+// Finds room for an entry. If necessary, frees data that recent frames did not use.
 bool GaussianStore::allocate(Entry& entry) {
   std::optional<std::size_t> first = free_.take(entry.count);
   if (!first) {
@@ -195,7 +195,7 @@ std::vector<GaussianStore::Place> GaussianStore::place(std::span<const std::shar
       found = entries_.emplace(scene, fresh).first;
     }
     Entry& entry = found->second;
-    // Several parts of the same Gaussians share their data.
+    // Counts Gaussians once, because all of their parts share the data.
     if (entry.placed != placing_) needed += entry.count;
     entry.placed = placing_;
     entry.used = frame_;
@@ -217,7 +217,7 @@ std::vector<GaussianStore::Place> GaussianStore::place(std::span<const std::shar
       for (const Held* const held : all) places.push_back(held->second.place);
       return places;
     }
-    // Enlarge the buffer. Leave room for the data of other viewports, which upload it again, and for later cuts.
+    // Enlarges the buffer. Leaves room for later cuts and for other viewports, which must upload their data again.
     std::size_t others = needed / 2;
     for (const auto& [gaussians, entry] : entries_)
       if (entry.used != frame_ && entry.used + kKeptSceneFrames >= frame_) others += entry.count;
@@ -226,20 +226,20 @@ std::vector<GaussianStore::Place> GaussianStore::place(std::span<const std::shar
   return {};
 }
 
-// Uploads the data of new entries. Those that are neighbours in the buffer are uploaded together.
+// Uploads the data of new entries. Uploads entries that are adjacent in the buffer together.
 void GaussianStore::upload(std::vector<Held*> fresh) {
   if (fresh.empty()) return;
   const PhaseScope phase(gl_.phases, Phase::upload);
   std::ranges::sort(fresh, {}, [](const Held* held) { return held->second.place.first; });
-  /// Splats of one entry, as a part of an upload.
+  /// Range of splats of one entry in an upload.
   struct Part {
     std::shared_ptr<const qnv::Gaussians> gaussians;
     const Entry* entry;
-    std::size_t first, count, to;  // `to`: texel in the upload
+    std::size_t first, count, to;  // `to` is the texel in the upload
   };
   std::vector<Part> parts;
   std::vector<GaussianTexel> texels;
-  std::size_t begin = 0, size = 0;  // texels of the upload
+  std::size_t begin = 0, size = 0;  // first texel and number of texels of the upload
   gl_.BindBuffer(GL_TEXTURE_BUFFER, buffer_.name());
   const auto flush = [&] {
     texels.resize(size);

@@ -41,8 +41,8 @@ void encode_gaussians(const qnv::Gaussians& gaussians, const GaussianCoding& cod
                       std::span<GaussianTexel> texels);
 
 /// Gaussians in GPU memory, in one buffer texture, so that several scenes can be drawn in one order. A splat takes 32
-/// bytes, and 128 more with harmonics of degree 3. Keeps data while the Gaussians have other owners, so that a changed cut
-/// of a stream uploads only its new clusters. Runs on the thread of its context.
+/// bytes, and 128 more with harmonics of degree 3. Keeps data while the Gaussians have other owners. So a changed
+/// cut of a stream uploads only its new clusters. Runs on the thread of its context.
 class GaussianStore {
  public:
   /// Creates an empty store that uses at most `most_bytes` of GPU memory.

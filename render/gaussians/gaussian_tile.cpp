@@ -10,11 +10,11 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kGaussiansUntilLook = 32;  // splats between two checks for groups without light
+constexpr std::size_t kGaussiansUntilLook = 32;  // splats between two checks for opaque groups
 constexpr float kGaussianDark = 1 / 512.0f;      // maximum transmittance of an opaque pixel: half a step of 8 bits
 constexpr float kGaussianHalf = 0.5f;            // the depth is recorded at this transmittance
 
-/// Groups at or after, and at or before, each column and each row of pixels.
+/// Bit masks of the groups from, and up to, each column and each row of pixels.
 struct GroupMasks {
   std::array<std::uint64_t, kGaussianTile> from_column{}, to_column{}, from_row{}, to_row{};
 };

@@ -23,7 +23,7 @@ struct alignas(64) GaussianSplat {
   float left, right, bottom, top;  // box of the pixels with an opacity of at least kGaussianLeastAlpha
   float red, green, blue;          // 0 is black, 1 is white
   float depth;                     // along the view axis, > 0
-  float least_depth;               // of this splat and of all that are blended after it
+  float least_depth;               // minimum depth of this splat and of all later ones
   /// Index of the surfel that defines the opacity instead of xx, xy and yy; -1 if the splat is not a surfel.
   std::int32_t surfel = -1;
 };
@@ -43,10 +43,10 @@ struct alignas(64) GaussianGroup {
   using Channel = std::array<float, kLanes>;
   Channel red, green, blue;  // 0..1 and above
   Channel clear;             // transmittance so far, 1 to 0
-  Channel depth;             // of the last splat before which more than half of the light passed
+  Channel depth;             // depth of the last splat that more than half of the light reaches
   Channel stop;              // depth behind which splats are hidden
-  Channel column;            // of the pixels, in the tile
-  Channel unused;            // so that the kernel finds a group by a shift
+  Channel column;            // pixel columns in the tile
+  Channel unused;            // padding, so that the kernel finds a group by a shift
 };
 
 /// Pixels of one tile. Groups are in columns: group 8 c + r has the lower left pixel (4 c, 2 r).
@@ -74,13 +74,13 @@ struct GaussianSplats {
 
 /// Functions for tiles, for one instruction set.
 struct GaussianKernel {
-  /// Blends the splats with indexes `order`, front to back, into a tile. (left, bottom) is the lower left pixel of the
-  /// tile. May be called again with splats farther away. Stops when no splat can be visible. `stopped_tile` applies the
-  /// stops, `tile` ignores them.
+  /// Blends the splats with the indices `order`, front to back, into a tile. (left, bottom) is the lower left pixel of
+  /// the tile. Further calls may add more distant splats. Ends when no further splat can be visible. `stopped_tile`
+  /// applies the stops, `tile` ignores them.
   using Tile = void (*)(const GaussianSplats& all, std::span<const std::uint16_t> order, int left, int bottom,
                         GaussianTile& tile);
-  /// Writes the pixels of a tile as bytes R, G, B, A, and unless `depths` is null the depths at which half of the light
-  /// is absorbed (0 if less is). `pitch` is the number of pixels from one row to the next.
+  /// Writes the pixels of a tile as bytes R, G, B, A, and the depths at which half of the light is absorbed (0 if less
+  /// is absorbed). If `depths` is null, writes no depths. `pitch` is the number of pixels from one row to the next.
   using Write = void (*)(const GaussianTile& tile, std::uint8_t* pixels, float* depths, std::size_t pitch);
   Tile tile, stopped_tile;
   Write write;

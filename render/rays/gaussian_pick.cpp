@@ -39,7 +39,7 @@ void add_crossings(const GaussianPart& part, const GaussianRay& ray, std::vector
     const glm::vec3& scales = all.scales[i];
     const float longest = std::max({scales.x, scales.y, scales.z});
     if (!(longest > 0)) continue;
-    // In units of the standard deviations, the splat is round.
+    // Scales by the standard deviations, so that the splat becomes a sphere.
     const glm::vec3 s = glm::max(scales, glm::vec3(longest * kThinnest));
     const glm::vec4& q = all.rotations[i];
     const glm::quat own_from_node(q.w, -q.x, -q.y, -q.z);
@@ -68,7 +68,7 @@ std::optional<DiscPick> pick_gaussians(std::span<const GaussianPart> parts, cons
   if (!(std::abs(determinant) > 0) || !std::isfinite(determinant)) return std::nullopt;
   const glm::dmat3 inverse = glm::inverse(linear);
   const GaussianRay own{inverse * (ray.origin - glm::dvec3(world_from_node[3])),
-                        inverse * glm::dvec3(ray.direction),  // one world unit
+                        inverse * glm::dvec3(ray.direction),  // length of one world unit
                         ray.farthest};
   if (!finite(own.origin) || !finite(own.direction)) return std::nullopt;
   std::vector<GaussianPart> tasks;

@@ -7,7 +7,7 @@
 
 namespace gs::render {
 
-/// Splats that a ray may hit.
+/// Range of splats that a ray may hit.
 struct GaussianPart {
   const qnv::Gaussians* gaussians = nullptr;
   std::size_t first = 0, count = 0;

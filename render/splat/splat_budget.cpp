@@ -20,8 +20,8 @@ constexpr double kEvenPart = 0.125;
 // of the object count.
 constexpr double kMaxAPixel = 8;
 
-/// Returns the number of vectors at full detail if views take cuts of the item. 0 means unknown, nullopt that they do
-/// not.
+/// Returns the number of vectors at full detail of an item with cuts; 0 means unknown. Returns nullopt for other
+/// items.
 std::optional<std::uint64_t> vectors_of_stream(const SplatItem& item) {
   if (const auto* octree = item.geometry->as<qnv::OctreeSplats>()) return octree->stream->header().vectors;
   const auto* gaussians = item.geometry->as<qnv::Gaussians>();

@@ -19,7 +19,7 @@
 // Ranks of an encoder as threads of a test.
 namespace gs::qnv {
 
-/// Memory that several ranks share: gathered bytes, their stores, the results of finished work, and the stream.
+/// Memory that several ranks share: gathered bytes, stores, results of finished work, and the stream.
 struct SharedMemory {
   explicit SharedMemory(std::uint32_t count) : gathered(count), stores(count), barrier(count) {}
 
@@ -28,7 +28,7 @@ struct SharedMemory {
   std::barrier<> barrier;
   std::mutex mutex;
   std::map<std::string, std::vector<std::byte>, std::less<>> finished;
-  std::size_t restored = 0;  // number of results that were found
+  std::size_t restored = 0;  // number of restored results
   std::vector<std::byte> stream;
 };
 
@@ -51,7 +51,7 @@ class ThreadRanks final : public Ranks {
   std::uint32_t rank_;
 };
 
-/// Store of one rank that reads those of all. The rank is in the high bits of an offset.
+/// Store of one rank, which also reads the stores of other ranks. The high bits of an offset are the rank.
 class RankStore final : public SpillStore {
  public:
   RankStore(SharedMemory& state, std::uint32_t rank) : state_(state), rank_(rank) {}

@@ -50,7 +50,7 @@ std::optional<EncodeInput> open_encode_input(const ConversionOptions& options, P
     (void)fail(in + ": no file name matches this numbered pattern");
     return std::nullopt;
   }
-  // Edits and other methods need all splats at once.
+  // Edits and other methods need all splats in memory.
   const bool in_pieces = steps.size() == 1 && options.splats.empty() && options.fraction == 0 &&
                          (options.method == EncodeMethod::automatic || options.method == EncodeMethod::gaussians);
   auto input = in_pieces ? open_many_splats(steps.front()) : std::nullopt;

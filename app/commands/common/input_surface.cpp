@@ -86,7 +86,7 @@ std::optional<InputSurface> input_surface(const OpenedInput& input, std::optiona
 }
 
 qnv::TriangleSource with_progress(const InputSurface& surface, Progress& progress) {
-  if (surface.source.runs() != 1) return surface.source;  // encoders count runs
+  if (surface.source.runs() != 1) return surface.source;  // encoders report the progress of runs
   return [source = surface.source, total = surface.triangles, &progress](const qnv::TriangleSink& sink) {
     if (total == 0 || progress.stage.load() != std::string_view("reading")) return source(sink);
     progress.done = 0;

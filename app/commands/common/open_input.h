@@ -60,7 +60,7 @@ struct OpenedInput {
 [[nodiscard]] std::optional<OpenedInput> open_input(const InputOptions& options, const std::string& path,
                                                     MeshForm form = MeshForm::plain);
 
-/// Opens a local file with so many splats that they have no common tree (app/encode/splat_file.h). Returns nullopt for
+/// Opens a local file with too many splats for one common tree (app/encode/splat_file.h). Returns nullopt for
 /// other files, and for those that cannot be opened.
 [[nodiscard]] std::optional<OpenedInput> open_many_splats(const std::string& path);
 /// Opens a stream of values for formats that need nothing else. Its slices are decoded when they are read, so that the

@@ -9,8 +9,8 @@
 namespace gs::app {
 
 /// Receives the data that one picture needs from streams with parts chosen by views. `draw` draws the picture, or only
-/// simulates drawing it. Each call lets the streams note their missing parts. `arrive` takes new vectors into the
-/// world; null leaves them to the caller. Warns on failures, or after `seconds`.
+/// simulates drawing it. Each call lets the streams note their missing parts. `arrive` adds new vectors to the
+/// world; if null, the caller does so. Warns on failures, or after `seconds`.
 void receive_for_picture(WorldLoading& loading, const LoadedWorld& world, double seconds,
                          const std::function<void()>& draw,
                          const std::function<void(ResourceUpdates updates)>& arrive = {});

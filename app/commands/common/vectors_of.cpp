@@ -75,7 +75,7 @@ std::size_t part_of(double fraction, std::size_t count) {
   return std::max<std::size_t>(1, static_cast<std::size_t>(std::llround(fraction * static_cast<double>(count))));
 }
 
-// Share of the memory limit for parts of splats that are encoded at the same time.
+// Parts of splats that are encoded at the same time may use 1 / kPartsShare of the memory limit.
 constexpr std::size_t kPartsShare = 4;
 // JPEG quality of textures in streams with an exact mesh.
 constexpr int kExactTextureQuality = 95;

@@ -38,7 +38,7 @@ using Exported = std::variant<std::vector<std::byte>, std::string>;
 /// bit for bit.
 [[nodiscard]] Exported export_points_ply(const qnv::Geometry& geometry, const ExportOptions& options = {});
 
-/// Exports Inria's 3DGS PLY of degree 0: x y z nx ny nz f_dc opacity scale rot. The axes are right, down, forward.
+/// Exports Inria's 3DGS PLY: x y z nx ny nz f_dc f_rest opacity scale rot. The axes are right, down, forward.
 [[nodiscard]] Exported export_splats_ply(const qnv::Geometry& geometry, const ExportOptions& options = {});
 
 /// Exports Gaussians as export_splats_ply() does, and other geometries as export_points_ply() does.

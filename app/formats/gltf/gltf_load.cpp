@@ -112,7 +112,7 @@ std::optional<std::string> check_buffers(const nlohmann::json& document, bool bi
   return std::nullopt;
 }
 
-/// Returns true if the extensions of a primitive have its data instead of the accessors.
+/// Returns true if the extensions of a primitive, instead of its accessors, hold its data.
 bool has_compressed_data(const nlohmann::json& extensions) {
   if (!extensions.is_object()) return false;
   if (extensions.contains(kDracoExtension) || extensions.contains(kFormerSpzExtension)) return true;

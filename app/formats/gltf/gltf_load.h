@@ -14,8 +14,8 @@ namespace gs::app {
 
 inline constexpr const char* kDracoExtension = "KHR_draco_mesh_compression";
 inline constexpr const char* kSplatExtension = "KHR_gaussian_splatting";
-/// Draft extensions of primitives with splats as SPZ. The first one is within kSplatExtension, and its later versions
-/// have other ends. The second one is an earlier draft, beside kSplatExtension or without it.
+/// Draft extensions for splats as SPZ. kSpzExtension is within kSplatExtension; later versions of it append a suffix to
+/// the name. kFormerSpzExtension is an earlier draft, beside kSplatExtension or without it.
 inline constexpr std::string_view kSpzExtension = "KHR_gaussian_splatting_compression_spz";
 inline constexpr const char* kFormerSpzExtension = "KHR_spz_gaussian_splats_compression";
 

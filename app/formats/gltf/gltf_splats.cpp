@@ -122,7 +122,7 @@ class SplatReader {
     return known->second;
   }
 
-  /// Adds splats in SPZ. SPZ stores the axes right, up, back; the extension demands left, up, front.
+  /// Adds splats in SPZ. SPZ stores the axes right, up, back; the extension requires left, up, front.
   void add_spz(const Place& place) {
     const SplatModel& from = spz_of(place);
     const std::size_t first = splats_.size(), count = from.size();

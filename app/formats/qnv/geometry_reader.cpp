@@ -30,7 +30,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kReadBytes = std::size_t{1} << 20;
 // Maximum number of vectors of a volume that is opened only for viewing.
 constexpr std::uint64_t kMaxGradients = std::uint64_t{1} << 24;
-// Bytes per vector, in two states: stored and drawn, and while gradients are sorted.
+// Bytes per vector that is stored and drawn, and bytes per vector while gradients are sorted.
 constexpr std::uint64_t kHeldBytes = 64, kGradientBytes = 90;
 constexpr std::chrono::milliseconds kCancelWait{50};
 constexpr const char* kLate = "the time limit for loading was reached; skipped the rest of the file";
@@ -85,7 +85,7 @@ std::optional<qnv::Geometry> GeometryFileReader::levels(qnv::LodStream::Opened o
   return qnv::OctreeSplats(stream);
 }
 
-// Keeps a stream of Gaussians encoded, in memory or in its file. Views decode the visible parts.
+// Leaves a stream of Gaussians encoded, in memory or in its file. Views decode the visible parts.
 std::optional<qnv::Geometry> GeometryFileReader::cuts(qnv::SplatStream::Opened opened) {
   auto* made = std::get_if<std::unique_ptr<qnv::SplatStream>>(&opened);
   if (!made) return std::nullopt;

@@ -44,8 +44,8 @@ std::shared_ptr<qnv::SplatStream> hold_cuts(std::unique_ptr<qnv::SplatStream> st
     std::unique_ptr<qnv::SplatStream> stream;
     Share share, arrived;
   };
-  // A small stream gets room for all of its Gaussians, in a cut and in the cache. Any other stream gets half of the
-  // remaining budget at most.
+  // A small stream gets memory for all of its Gaussians, in a cut and in the cache. Any other stream gets at most half
+  // of the remaining budget.
   constexpr std::uint64_t kAtLeast = std::uint64_t{16} << 20, kMaxCounted = std::uint64_t{1} << 40, kParts = 3;
   const std::uint64_t each = qnv::bytes_of_splat(stream->header().gaussians.degree);
   qnv::SplatLimits limits;

@@ -18,7 +18,7 @@ namespace gs::app {
 /// owns the stream and its share. `grows` means that the stream keeps received chunks.
 [[nodiscard]] std::shared_ptr<qnv::SplatStream> hold_cuts(std::unique_ptr<qnv::SplatStream> stream,
                                                           const WorldBudget& budget, bool grows);
-/// Returns Gaussians of which every view takes its own cut.
+/// Returns Gaussians that refer to `stream`, from which each view takes its own cut.
 [[nodiscard]] qnv::Gaussians gaussians_of(std::shared_ptr<qnv::SplatStream> stream);
 
 }  // namespace gs::app

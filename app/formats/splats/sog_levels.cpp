@@ -19,10 +19,10 @@ using LevelsJson = nlohmann::json;
 constexpr std::size_t kMostLevelsBytes = std::size_t{64} << 20;
 constexpr std::size_t kJsonBytes = 24;  // maximum memory of a JSON value per byte of its text
 constexpr std::size_t kMostLevels = 64, kMostLeaves = 1'000'000, kMostSogFiles = 65536, kMostNesting = 200;
-constexpr float kGapPixels = 0.5f;     // a smaller gap between splats is invisible
+constexpr float kGapPixels = 0.5f;     // smaller gaps between splats are invisible
 constexpr float kNearestShare = 0.1f;  // minimum distance of a leaf, relative to its diagonal
 
-/// Problem without a position: the message, and the key of the text that it concerns.
+/// Problem without a position: the message, and the key in the text that it concerns.
 struct KeyProblem {
   std::string message;
   std::string_view key;
@@ -148,7 +148,7 @@ SourceLocation location_of_key(std::string_view text, std::string_view key) {
   return location_of(text, at == std::string_view::npos ? 0 : at);
 }
 
-/// Returns the position of the first byte that is no JSON.
+/// Returns the position of the first byte that is invalid JSON.
 SourceLocation location_of_damage(std::string_view text) {
   struct Finder : nlohmann::json_sax<LevelsJson> {
     bool null() override { return true; }
@@ -179,15 +179,15 @@ std::uint8_t next_finer(const SogLeaf& leaf, const std::vector<bool>& unreadable
   return kNoSogRun;
 }
 
-/// Returns the mean distance between the splats of a run, if they cover the largest side of the box.
+/// Returns the mean distance between the splats of a run, assuming that they cover the largest side of the box.
 float gap_of(const SogLeaf& leaf, const SogRun& run) {
   const glm::vec3 size = leaf.box.size();
   const float side = std::max({size.x * size.y, size.y * size.z, size.z * size.x});
   return std::sqrt(side / static_cast<float>(run.count));
 }
 
-/// Returns the pixels of one unit of length at a leaf, relative to the error of the view. Takes the largest of all
-/// views; 0 if the leaf is out of view.
+/// Returns the pixels of one unit of length at a leaf, divided by the error of the view: the maximum over all views. 0
+/// means that the leaf is out of view.
 float pixels_of(const SogLeaf& leaf, std::span<const qnv::LodView> views, const glm::dvec3& origin) {
   float most = 0;
   if (leaf.box.empty()) return views.empty() ? 0 : std::numeric_limits<float>::max();
@@ -276,7 +276,7 @@ SogRefinement sog_runs_in_view(const SogLevels& levels, const std::vector<bool>&
     float gap;  // pixels
     std::uint32_t leaf;
     float pixels;
-    // The widest gap first; of equal ones, the first leaf.
+    // The widest gap first; among equal gaps, the first leaf.
     bool operator<(const Open& other) const { return gap != other.gap ? gap < other.gap : leaf > other.leaf; }
   };
   std::priority_queue<Open> open;

@@ -21,8 +21,8 @@
 namespace gs::app {
 
 inline constexpr std::string_view kSogLevelsName = "lod-meta.json";
-/// Bytes of memory for one splat while levels are read and shown: copies as read, as converted and as drawn, with
-/// harmonics of degree 3.
+/// Memory in bytes for one splat with harmonics of degree 3 while levels are read and shown. Counts three copies: as
+/// read, as converted and as drawn.
 inline constexpr std::uint64_t kSogSplatBytes = 1100;
 
 /// Range of splats of a SOG: one level of a leaf.
@@ -55,7 +55,7 @@ struct SogLevelsProblem {
 /// Parses lod-meta.json. Safe for untrusted text: charges all memory to `budget`.
 [[nodiscard]] std::variant<SogLevels, SogLevelsProblem> parse_sog_levels(std::span<const std::byte> text,
                                                                          const WorldBudget& budget);
-/// Returns true for a path below the folder of the file that names it.
+/// Returns true if a path stays below the folder of the file that contains it.
 [[nodiscard]] bool is_inner_path(const std::string& path);
 
 /// Index of the chosen run of each leaf; kNoSogRun if no file of the leaf can be read.
@@ -74,14 +74,14 @@ struct SogStep {
   std::uint32_t leaf = 0;
   std::uint8_t run = 0;
 };
-/// Runs for views: the choice, and the refinements that lead to it from the coarsest runs, most wanted first.
+/// Runs for views: the choice, and the steps from the coarsest runs to it, most important first.
 struct SogRefinement {
   SogChoice choice;
   std::vector<SogStep> steps;
 };
-/// Returns the runs for views. The positions of the views are relative to `origin`. A leaf in view is refined until its
-/// splats are closer together than half a pixel (times the error of the view). The leaf with the widest gaps between
-/// splats comes first. Leaves out of view keep the coarsest run. The choice has at most `most` splats, unless the
+/// Returns the runs for views. The positions of the views are relative to `origin`. Refines each leaf in view until the
+/// gaps between its splats are below half a pixel (times the error of the view). The leaf with the widest gaps comes
+/// first. Leaves out of view keep the coarsest run. The choice has at most `most` splats, unless the
 /// coarsest runs have more.
 [[nodiscard]] SogRefinement sog_runs_in_view(const SogLevels& levels, const std::vector<bool>& unreadable,
                                              std::span<const qnv::LodView> views, const glm::dvec3& origin,
@@ -92,13 +92,13 @@ struct SogParts {
   std::string path;          // of its meta.json
   std::vector<SogRun> runs;  // empty means all splats, as one range
 };
-/// Writes ranges as a text that read_splats_sog_levels() reads in place of lod-meta.json. The result then has
+/// Writes ranges as a text that read_splats_sog_levels() reads instead of lod-meta.json. The result then has
 /// kSogPartCounts in its metadata: the number of splats of each range, separated by commas.
 [[nodiscard]] std::string text_of_sog_parts(const SogParts& parts);
-/// Parses such a text. Returns nullopt for other texts.
+/// Parses a text of text_of_sog_parts(). Returns nullopt for other texts.
 [[nodiscard]] std::optional<SogParts> parse_sog_parts(std::span<const std::byte> text);
 inline constexpr std::string_view kSogPartCounts = "splats of ranges";
-/// First bytes of such a text.
+/// First bytes of a text of text_of_sog_parts().
 inline constexpr std::string_view kSogPartsMark = "{\"parts of\":";
 
 }  // namespace gs::app

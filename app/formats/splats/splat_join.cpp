@@ -6,7 +6,7 @@
 namespace gs::app {
 namespace {
 
-/// Makes room for harmonics of a higher degree.
+/// Enlarges the harmonics to a higher degree; new coefficients are 0.
 void raise_degree(qnv::Gaussians& splats, int degree) {
   if (degree <= splats.degree) return;
   const std::size_t before = qnv::harmonic_count(splats.degree), after = qnv::harmonic_count(degree);

@@ -6,8 +6,8 @@
 
 namespace gs::app {
 
-/// Appends all splats of `from` to `to`, which takes over the origin of the first non-empty part. The degree of the
-/// harmonics becomes the larger one; missing coefficients are 0. Updates box and total. Any thread.
+/// Appends all splats of `from` to `to`. If `to` is empty, it takes over the origin of `from`. The degree of the
+/// harmonics becomes the larger of both; missing coefficients are 0. Updates box and total. Any thread.
 void append_splats(qnv::Gaussians& to, const qnv::Gaussians& from);
 
 /// Returns `count` splats from index `first` on, with origin and metadata. Any thread.

@@ -147,7 +147,7 @@ ImportedVectors import_splats_ksplat(std::span<const std::byte> bytes, const Wor
     return "unknown .ksplat version " + std::to_string(std::to_integer<int>(bytes[0])) + "." +
            std::to_string(std::to_integer<int>(bytes[1])) + "; expected 0.1";
   const std::uint64_t most_sections = word(4);
-  // Some writers leave the number of sections at 0; their headers are complete all the same.
+  // Some writers leave the number of sections at 0, although their headers are complete.
   const std::uint64_t sections = word(8) == 0 && word(16) > 0 ? most_sections : word(8);
   const std::size_t mode = load_little<std::uint16_t>(&bytes[20]);
   if (mode >= kModes.size()) return "unknown compression mode " + std::to_string(mode) + "; expected 0, 1 or 2";

@@ -30,8 +30,8 @@ using RadProblem = std::optional<std::string>;
 
 constexpr std::uint32_t kRadMagic = 0x30444152, kRadChunkMagic = 0x43444152;  // "RAD0", "RADC"
 constexpr std::size_t kMostRadMeta = std::size_t{16} << 20, kMostRadChunks = 1 << 20, kMostRadCodes = 1 << 20;
-constexpr std::size_t kMostInflation = 1032;  // bytes that one byte of deflated data can become
-constexpr std::size_t kLeastCenterBytes = 6;  // of the position of a splat, not deflated
+constexpr std::size_t kMostInflation = 1032;  // maximum bytes from one byte of deflated data
+constexpr std::size_t kLeastCenterBytes = 6;  // minimum bytes of a position before it is deflated
 constexpr std::size_t kMostRadProperties = 256;
 constexpr std::uint64_t kMostRadSplats = std::uint64_t{1} << 31;
 
@@ -181,7 +181,7 @@ class RadReader {
     const std::uint64_t offset = rad_number(range, "offset"), length = rad_number(range, "bytes");
     if (start > bytes.size() || offset > bytes.size() - start || length > bytes.size() - start - offset)
       return "its end is missing";
-    // Otherwise a short file could take any time.
+    // Without this limit, overlapping chunks in a short file could cost unlimited time.
     if (length > readable_) return "its chunks overlap";
     readable_ -= length;
     bytes = bytes.subspan(start + static_cast<std::size_t>(offset), static_cast<std::size_t>(length));

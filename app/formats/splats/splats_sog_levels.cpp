@@ -27,7 +27,7 @@ std::optional<std::string> missing_range(const std::string& path, const SplatMod
          std::to_string(std::uint64_t{run.first} + run.count);
 }
 
-/// Reads a SOG beside the file of `read`. Returns a message on failure.
+/// Reads the SOG at `path` through `read`. Returns a message on failure.
 std::optional<std::string> read_part(const std::string& path, const ReadFile& read, const WorldBudget& budget,
                                      SplatModel& part) {
   if (!read) return path + " is not available";
@@ -70,7 +70,7 @@ class LevelsReader {
     return last;
   }
 
-  std::vector<std::string> problems;  // files that were left out, as messages
+  std::vector<std::string> problems;  // messages about omitted files
   std::uint64_t chosen_count = 0;     // splats of the chosen levels
 
  private:

@@ -139,7 +139,7 @@ std::optional<std::string> unzstd(Bytes packed, std::size_t expected, std::vecto
   return std::nullopt;
 }
 
-/// Converts the unpacked data of versions 1 to 3. `stopped` is the reason why their end is missing, or nullopt.
+/// Converts the unpacked data of versions 1 to 3. `stopped` is the reason why the end is missing, or nullopt.
 std::optional<std::string> read_planes(const Header& header, Bytes data, const std::optional<std::string>& stopped,
                                        SplatModel& model) {
   model.announced = header.count;

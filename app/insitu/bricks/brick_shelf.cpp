@@ -66,7 +66,7 @@ net::HeldContent BrickShelf::content(const std::string& path) {
   return chunk_content(lock, name->container, *name->chunk);
 }
 
-// Encodes outside of the lock, so that the simulation's thread does not wait for it.
+// Encodes without the lock, so that the simulation's thread need not wait.
 net::HeldContent BrickShelf::chunk_content(std::unique_lock<std::mutex>& lock, const std::string& container,
                                            const Chunk& chunk) {
   using State = net::HeldContent::State;

@@ -19,7 +19,7 @@
 
 namespace gs::app::insitu {
 
-/// Grid of a step that rank 0 serves. Its chunks are made when viewers request them.
+/// Grid of a step that rank 0 serves. Requests of viewers create its chunks.
 struct ServedGrid {
   std::uint64_t serial = 0;  // number of the kept step, equal on all ranks
   std::string container;     // name of its folder, such as "heat.000120.zarr"
@@ -28,7 +28,7 @@ struct ServedGrid {
   float rounding = 0;  // maximum change of values while chunks are encoded
   double max_error = 0;
   std::uint32_t thinning = 1;
-  /// Reads a chunk of this process. Null if ranks send the chunks. Any thread.
+  /// Reads a chunk from the memory of this process. Null if ranks send the chunks. Any thread.
   std::function<void(const Chunk& chunk, std::vector<float>& values)> read;
   /// Chunks of the overview, if ranks have sent them.
   std::map<Chunk, std::vector<float>> received;
@@ -48,29 +48,29 @@ class BrickShelf : NonCopyable {
   static constexpr std::size_t kMaxSteps = 2;
   static constexpr std::size_t kMaxEncodedBytes = std::size_t{4} << 20;
 
-  /// Limits of the work for viewers. Both functions are called by the server's thread.
+  /// Limits of the work for viewers. The server's thread calls both functions.
   struct Share {
     std::function<bool()> permits;                                  // reports whether a chunk may be encoded now
     std::function<void(double seconds, std::size_t bytes)> charge;  // receives the processor time of an encoded chunk
   };
   explicit BrickShelf(Share share) : share_(std::move(share)) {}
 
-  /// Makes a step the newest one, and drops the step before the last one.
+  /// Adds the newest step. Keeps the step before it, and drops older ones.
   void put(ServedGrid grid);
-  /// Drops all steps but the newest one, so that the memory of the others can be used again.
+  /// Drops all steps but the newest one, so that callers can reuse the memory of the others.
   void drop_older();
-  /// Returns the content of a path of a container. It is `waiting` until other ranks have sent the chunk, and until the
-  /// share permits to encode it. Server's thread.
+  /// Returns the content of a path of a container. Its state is `waiting` until the other ranks have sent the chunk and
+  /// the share permits encoding it. Server's thread.
   [[nodiscard]] net::HeldContent content(const std::string& path);
-  /// Returns chunks for which viewers wait, oldest first, and notes that the ranks send them.
+  /// Returns requested chunks of the newest steps, the coarsest first, and notes that the ranks send them.
   [[nodiscard]] std::vector<WantedChunk> take_wanted(std::size_t most);
-  /// Receives a chunk of other ranks. Drops it if nobody waits for it.
+  /// Receives a chunk of other ranks. Ignores it if its step was dropped.
   void deliver(const WantedChunk& wanted, std::vector<float> values);
 
   /// Reports whether a viewer has requested the overview of the newest step; true if there is no step.
   [[nodiscard]] bool is_seen() const;
-  /// Reports whether viewers refine a step: a chunk is requested, or was during the last half second. The newest step
-  /// is then kept for at most five seconds.
+  /// Reports whether viewers refine a step: a request waits, or the last one is less than half a second old. Returns
+  /// false if the newest step is older than five seconds.
   [[nodiscard]] bool is_busy(Clock::time_point now) const;
 
  private:

@@ -17,7 +17,7 @@ struct Chunk {
   friend auto operator<=>(const Chunk&, const Chunk&) = default;
 };
 
-/// Levels of a grid, which are divided into chunks. Level n has every 2^n-th point along each axis. The last level is
+/// Levels of a grid, in chunks. Level n has every 2^n-th point along each axis. The last level is
 /// the overview.
 class Pyramid {
  public:
@@ -31,7 +31,7 @@ class Pyramid {
   [[nodiscard]] std::uint32_t overview() const { return levels() - 1; }
   /// Returns the number of points of a level along each axis.
   [[nodiscard]] const GridIndex& size(std::uint32_t level) const { return sizes_[level]; }
-  /// Returns the points of each chunk of a level. The last chunks may reach beyond the level.
+  /// Returns the points of a chunk along each axis. The last chunks may extend beyond the level.
   [[nodiscard]] GridIndex chunk_shape(std::uint32_t level) const;
   [[nodiscard]] std::size_t chunk_points(std::uint32_t level) const;
   [[nodiscard]] bool contains(const Chunk& chunk) const;

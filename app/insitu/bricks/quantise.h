@@ -8,7 +8,7 @@ namespace gs::app::insitu {
 
 /// Code of values that are missing or not finite.
 inline constexpr std::int16_t kMissingCode = -32768;
-/// Largest code; the smallest one of a value is its negative.
+/// Largest code of a value; the smallest one is -kMaxCode.
 inline constexpr float kMaxCode = 32767;
 
 /// Linear map from codes of 16 bits to values: offset + code * quantum.
@@ -26,22 +26,22 @@ struct FiniteRange {
   [[nodiscard]] bool empty() const { return low > high; }
 };
 
-/// Returns a scale for a range of values, with room for growth of an eighth at each end.
+/// Returns a scale for a range of values, extended by an eighth of the range at each end.
 [[nodiscard]] CodeScale scale_of(const FiniteRange& range);
 
 /// Converts numbers to float.
 void floats_of_doubles(const double* from, std::size_t count, float* to);
-/// Maps values to the nearest codes, and extends `range` by them. Values outside of the scale get wrong codes, so the
-/// caller compares the range with the scale.
+/// Maps values to the nearest codes, and extends `range` by the values. Clamps values outside of the scale, so callers
+/// must compare the range with the scale.
 void quantise(const float* from, std::size_t count, const CodeScale& scale, std::int16_t* to, FiniteRange& range);
 /// Extends `range` by values.
 void measure(const float* from, std::size_t count, FiniteRange& range);
 /// Maps every `step`-th code to its value; NaN for kMissingCode.
 void dequantise(const std::int16_t* from, std::size_t step, std::size_t count, const CodeScale& scale, float* to);
-/// Rounds values to multiples of a power of two, so that they compress well. The change is at most `error`.
+/// Rounds values to multiples of a power of two, so that they compress well. Changes them by at most `error`.
 void round_within(float* values, std::size_t count, float error);
-/// Writes the lowest bytes of all values, then all second bytes, and so on, because equal bytes are close to each other
-/// then. This is the shuffle of numcodecs, little-endian.
+/// Writes the lowest bytes of all values, then all second bytes, and so on, so that similar bytes are adjacent. This is
+/// the little-endian shuffle codec of numcodecs.
 void shuffle_floats(const float* from, std::size_t count, std::uint8_t* to);
 
 }  // namespace gs::app::insitu

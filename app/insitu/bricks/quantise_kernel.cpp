@@ -26,7 +26,7 @@ std::int16_t code_of(float value, float offset, float inverse, FiniteRange& rang
 // Range of the values in each of four lanes.
 struct LaneRange {
   explicit LaneRange(const FiniteRange& range) : low(_mm_set1_ps(range.low)), high(_mm_set1_ps(range.high)) {}
-  // Extends the range by values; returns a mask of those that are finite.
+  // Extends the range by the finite values. Returns a mask of these values.
   __m128 include(__m128 value) {
     const __m128 size = _mm_andnot_ps(_mm_set1_ps(-0.0f), value);
     const __m128 finite = _mm_cmple_ps(size, _mm_set1_ps(kLargestFloat));
@@ -108,11 +108,11 @@ void dequantise(const std::int16_t* from, std::size_t step, std::size_t count, c
 
 void round_within(float* values, std::size_t count, float error) {
   if (!(error > 0) || !std::isfinite(error)) return;
-  // Multiples of 2^n are at most 2^(n-1) from each value.
+  // The nearest multiple of 2^n differs from a value by at most 2^(n-1).
   const float step = std::exp2(std::floor(std::log2(2 * error)));
   const float inverse = 1 / step;
   if (!(step > 0) || !std::isfinite(inverse)) return;
-  constexpr float kMostSteps = 4'194'304;  // larger values have no digits below the step
+  constexpr float kMostSteps = 4'194'304;  // larger values have at most one bit below the step
   std::size_t i = 0;
 #if defined(__x86_64__)
   for (; i + 4 <= count; i += 4) {

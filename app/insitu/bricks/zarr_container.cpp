@@ -119,7 +119,7 @@ std::string encode_chunk(std::span<float> values, float error) {
   shuffle_floats(values.data(), values.size(), bytes.data());
   std::string packed(ZSTD_compressBound(bytes.size()), '\0');
   const std::size_t size = ZSTD_compress(packed.data(), packed.size(), bytes.data(), bytes.size(), 1);
-  if (ZSTD_isError(size) != 0) throw std::bad_alloc();  // the only failure with enough room
+  if (ZSTD_isError(size) != 0) throw std::bad_alloc();  // the only error if the buffer is large enough
   packed.resize(size);
   packed.shrink_to_fit();
   return packed;

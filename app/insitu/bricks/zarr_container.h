@@ -9,8 +9,8 @@
 #include <string>
 #include <string_view>
 
-// Container of Zarr 3 with an image of OME-Zarr 0.5, which no file stores: its metadata, the names of its files, and
-// the bytes of its chunks.
+// Zarr 3 container with an OME-Zarr 0.5 image, generated in memory: its metadata, the names of its files, and the bytes
+// of its chunks.
 namespace gs::app::insitu {
 
 /// Description of a grid for its metadata.

@@ -42,8 +42,8 @@ class GeometryHandler final : public ResourceHandler {
   void note_datasets() { notes_datasets_ = true; }
   /// Lets the handler show the vectors of a volume as arrows or streamlines.
   void show_flow_by(ShowMesh show) { show_mesh_ = std::move(show); }
-  /// Sets the function that returns the place of the vectors in the scene. It is called after the first version was
-  /// shown. Later versions of streamed SOG go there, also after the end of this handler.
+  /// Sets the function that returns the position of the vectors in the scene. The handler calls it after showing the
+  /// first version. Later versions of streamed SOG go to that position, even after the end of this handler.
   void show_later_at(std::function<ResourceUpdates::Place()> place) { place_ = std::move(place); }
   void tell_progress(double fraction) override {
     if (progress_) progress_(fraction);
@@ -74,13 +74,13 @@ class GeometryHandler final : public ResourceHandler {
   void show_more();
   void read_bytes();
   void read_whole(std::span<const std::byte> bytes, const std::string& path);
-  /// Shows streamed SOG, of which views read the levels. Returns false if it is read as a whole.
+  /// Shows streamed SOG, and lets views read its levels. Returns false if the handler must read it as a whole.
   bool start_splat_levels(const ContentType& type, std::span<const std::byte> bytes);
   /// Opens a volume and shows its coarsest version.
   void read_volume(const ContentType& type, const GeometryFile& file);
   /// Shows the vectors of a volume as a mesh. Returns false if no mesh was requested, or on failure.
   bool show_flow(const qnv::VolumeSource& source, const VoxelComponent& choice);
-  /// Reports whether a volume has too many voxels to be read as a whole at once.
+  /// Reports whether a volume has too many voxels for a single read.
   [[nodiscard]] bool is_large(const qnv::VolumeSource& source) const;
   /// Shows a volume in bricks that views read. Returns false if it is shown as a whole.
   bool start_array(qnv::VolumeSource& source);
@@ -100,7 +100,7 @@ class GeometryHandler final : public ResourceHandler {
   Show show_;
   bool notes_datasets_ = false;
   ShowMesh show_mesh_;                             // null if vectors are shown as volumes only
-  std::function<ResourceUpdates::Place()> place_;  // null if all versions come before the end
+  std::function<ResourceUpdates::Place()> place_;  // null if no versions follow the end
   Progress progress_;
   Way way_ = Way::unknown;
   Share decoded_;
@@ -112,13 +112,13 @@ class GeometryHandler final : public ResourceHandler {
   bool shown_exact_ = false;  // the exact mesh in the tail of the stream is shown
   bool by_chunks_ = false;    // chunks were received in any order
   std::size_t damaged_chunks_ = 0;
-  std::shared_ptr<qnv::ArrayVolume> array_;      // volume of which the overview is not complete
-  std::chrono::milliseconds array_patience_{0};  // for the next part of the overview
+  std::shared_ptr<qnv::ArrayVolume> array_;      // volume with an incomplete overview
+  std::chrono::milliseconds array_patience_{0};  // wait for the next part of the overview
   std::shared_ptr<PartialFile> parts_;           // file of a server that is read by parts, or null
   std::string told_trouble_;
-  std::string array_key_;                       // of its overview in the cache; empty if it is not kept
+  std::string array_key_;                       // key of its overview in the cache; empty if not cached
   std::function<std::string()> array_trouble_;  // VolumeSource::trouble of that volume
-  std::deque<qnv::VolumeSource> versions_;      // of a volume, the coarsest first, that are not shown yet
+  std::deque<qnv::VolumeSource> versions_;      // later versions of a volume, the coarsest first
 };
 
 }  // namespace gs::app

@@ -171,7 +171,7 @@ class VectorContent final : public SceneContent {
   std::shared_ptr<StreamFeed> feed() override { return geometry_->feed(); }
 
  private:
-  // The exit status of commands tells that parts are missing.
+  // The exit status of commands reports missing parts.
   void note_missing_parts() {
     if (geometry_->lacks_parts()) target_.cut_short();
   }

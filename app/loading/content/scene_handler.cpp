@@ -96,7 +96,7 @@ bool SceneHandler::choose_type(bool last) {
   return true;
 }
 
-// Reads a file of a folder instead of the list of the folder. Reports the reason if there is no such file.
+// Reads a file of the listed folder instead of the list. Reports the reason if the folder has no suitable file.
 bool SceneHandler::begin_file_of_list(std::span<const std::byte> list) {
   if (target_.found().local || !is_bucket_list(list)) return false;
   Loading& loading = context_.loading;
@@ -131,7 +131,7 @@ bool SceneHandler::begin_file_of_list(std::span<const std::byte> list) {
   return true;
 }
 
-// Makes the fetch of another file that is read instead of this one.
+// Prepares the fetch of another file, which replaces this one.
 void SceneHandler::read_instead(std::vector<net::Url> candidates) {
   step_ = std::make_unique<Fetch>();
   step_->candidates = std::move(candidates);
@@ -144,7 +144,7 @@ void SceneHandler::read_instead(std::vector<net::Url> candidates) {
   waiting_share_.shrink_to(0);
 }
 
-// Reads the wanted step instead of the file if the file is a series in JSON without VTK files, or the list of a bucket.
+// Reads the wanted step instead of this file if it is a series in JSON without VTK files, or the list of a bucket.
 bool SceneHandler::begin_step(std::span<const std::byte> series) {
   if (use_.role != Role::root || is_step_ || cut) return false;
   if (begin_file_of_list(series)) return true;

@@ -66,7 +66,7 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   [[nodiscard]] std::vector<vrml::NodeId> open_nodes() const;
   /// Returns the number of bytes of the file that were read or received.
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
-  /// Returns the counter of further bytes that are received by parts; null if the file is not read so.
+  /// Returns the counter of further bytes of a file that is read by parts; null for other files.
   [[nodiscard]] const std::shared_ptr<const std::atomic<std::uint64_t>>& parts() const { return parts_; }
   [[nodiscard]] double seconds() const { return seconds_; }
   /// Returns the unit of length of the text, in metres (X3D UNIT).

@@ -21,12 +21,12 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMostJobs = 3;         // SOGs that are received at once
+constexpr std::size_t kMostJobs = 3;         // concurrent transfers of SOGs
 constexpr std::size_t kMostUnreadable = 16;  // failures after which no more files are read
 constexpr std::uint64_t kMostSogFile = std::uint64_t{256} << 20;
 constexpr std::uint64_t kMostKeptFiles = std::uint64_t{64} << 20;  // bytes of received files for later runs
-constexpr std::uint32_t kBetweenRatio = 4;  // a level between needs at most this part of the splats of the next one
-constexpr int kSplatPriority = 1500;        // as chunks of streams
+constexpr std::uint32_t kBetweenRatio = 4;  // an intermediate level has at most 1 / 4 of the next one's splats
+constexpr int kSplatPriority = 1500;        // equal to that of chunks of streams
 
 std::uint64_t bytes_of_splats(const qnv::Gaussians& splats) {
   return splats.size() * (kSplatMemory / 2 + sizeof(glm::vec3) * qnv::harmonic_count(splats.degree));
@@ -92,12 +92,12 @@ std::shared_ptr<const qnv::Geometry> SplatLevels::read_first() {
   return nullptr;
 }
 
-// Makes the list of wanted files: those of the coarsest runs first, then those of the views.
+// Makes the list of wanted files: those of the coarsest runs first, then those that views need.
 void SplatLevels::choose() {
   chosen_ = true;
   const SogLevels& levels = source_.levels;
   base_ = coarsest_sog_runs(levels, unreadable_);
-  // While the user moves, views accept larger errors. The files for the view at rest are read all the same.
+  // While the user moves, views accept larger errors. Files are requested as for a view at rest.
   std::vector<qnv::LodView> views = views_;
   for (qnv::LodView& view : views) view.error_pixels = std::min(view.error_pixels, 1.0f);
   SogRefinement refined = sog_runs_in_view(levels, unreadable_, views, origin_, most_);
@@ -117,7 +117,7 @@ void SplatLevels::choose() {
   std::ranges::stable_sort(wanted_, std::ranges::greater{}, splats_of);
   for (const SogStep& step : refined.steps)
     if (step.run == target_[step.leaf] || is_between(step)) add_wanted(step.leaf, step.run);
-  // The coarsest runs are kept, so that parts which leave the view need no further file.
+  // Requests the missing coarsest runs last, so that parts that leave the view need no further file.
   for (std::uint32_t leaf = 0; leaf < base_.size(); ++leaf)
     if (base_[leaf] != kNoSogRun) add_wanted(leaf, base_[leaf]);
   if (levels.environment && !unreadable_.back()) add_wanted(static_cast<std::uint32_t>(levels.leaves.size()), 0);
@@ -125,7 +125,7 @@ void SplatLevels::choose() {
     if (std::ranges::none_of(wanted_, [&](const Wanted& one) { return one.file == jobs_[i].file; })) end_job(i, false);
 }
 
-// Returns true for a level that is read on the way to the wanted one, because it is much smaller.
+// Returns true for an intermediate level that is much smaller than the wanted one, and is therefore shown first.
 bool SplatLevels::is_between(const SogStep& step) const {
   if (!source_.shows_between) return false;
   const SogLeaf& leaf = source_.levels.leaves[step.leaf];
@@ -337,7 +337,7 @@ std::optional<std::string> SplatLevels::decode(std::uint32_t file, const Files& 
   return std::nullopt;
 }
 
-// Keeps the bytes of the files that were used last, for other runs of these SOGs.
+// Caches the most recently used files, for other runs of these SOGs.
 void SplatLevels::keep_files(std::uint32_t file, Files files) {
   files_[file] = {std::move(files), ++uses_};
   const auto bytes = [&] {
@@ -380,8 +380,8 @@ void SplatLevels::cancel_row(std::uint64_t row) {
   chosen_ = false;
 }
 
-// Returns the run of each leaf to show: the wanted one, else the next coarser one that is here, else a finer one. While
-// memory suffices, finer runs of former views stay.
+// Returns the run of each leaf to show: the wanted one, else the next coarser one in memory, else a finer one. Shows
+// finer runs of previous views while memory suffices.
 SogChoice SplatLevels::shown_choice() const {
   SogChoice shown(base_.size(), kNoSogRun);
   std::uint64_t total = 0;
@@ -427,10 +427,10 @@ std::shared_ptr<const qnv::Geometry> SplatLevels::compose() {
   qnv::Gaussians all;
   reserve_splats(all, count, degree);
   for (const qnv::Gaussians* const part : parts) append_splats(all, *part);
-  // Counts of omitted splats concern one part only.
+  // Drops the counts of omitted splats, because each concerns one part only.
   std::erase_if(all.description.metadata,
                 [](const auto& pair) { return pair.first != "source" && pair.first != kSplatsAsDiscs; });
-  // Cameras frame this box, so it must not change with the levels.
+  // Uses the box of all leaves, because cameras frame it and it must not change with the levels.
   for (const SogLeaf& leaf : source_.levels.leaves)
     if (!leaf.box.empty()) {
       all.description.box.add(glm::vec3(glm::dvec3(leaf.box.lower) - all.description.origin));

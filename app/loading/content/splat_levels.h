@@ -24,9 +24,9 @@
 
 namespace gs::app {
 
-/// Reader of streamed SOG for views: first the coarsest level of all parts, then finer levels of the parts in view, by
-/// their size on the screen. Requests the files of at most a few SOGs at once, most wanted first, and cancels those
-/// that no view wants any more. Keeps the splats of the coarsest and of the wanted levels. Reader thread only.
+/// Reader of streamed SOG for views: first the coarsest level of all parts, then finer levels of the parts in view, the
+/// widest gaps between splats first. Requests the files of a few SOGs at a time. Cancels requests that no view needs
+/// any more. Keeps the splats of the coarsest and of the wanted levels. Reader thread only.
 class SplatLevels final : public ViewedTransfer {
  public:
   struct Source {
@@ -43,7 +43,7 @@ class SplatLevels final : public ViewedTransfer {
   /// Reads a part of the coarsest level and returns its splats. Blocks. Returns null if no file can be read; reports
   /// the reason.
   [[nodiscard]] std::shared_ptr<const qnv::Geometry> read_first();
-  /// Returns the feed through which views are noted.
+  /// Returns the feed that receives the views.
   [[nodiscard]] const std::shared_ptr<StreamFeed>& feed() const { return feed_; }
   /// Sets the receiver of better versions.
   void show_by(std::function<void(std::shared_ptr<const qnv::Geometry>)> show) { show_ = std::move(show); }
@@ -55,11 +55,11 @@ class SplatLevels final : public ViewedTransfer {
   [[nodiscard]] bool over() const override { return over_; }
   [[nodiscard]] bool rests() const override { return chosen_ && wanted_.empty() && jobs_.empty() && !changed_; }
 
-  /// Number of splats of the last version, and of versions so far; for tests.
+  /// Returns the number of splats of the last version; for tests.
   [[nodiscard]] std::size_t shown_splats() const { return shown_splats_; }
 
  private:
-  /// Leaf and run; the leaf after the last one is the environment.
+  /// Indices of leaf and run. A leaf index equal to the number of leaves means the environment.
   using Key = std::pair<std::uint32_t, std::uint8_t>;
   /// Splats of a run.
   struct Piece {
@@ -82,7 +82,7 @@ class SplatLevels final : public ViewedTransfer {
       bool done = false;
     };
     std::uint32_t file = 0;
-    std::vector<File> files;  // first meta.json
+    std::vector<File> files;  // meta.json first
     Share share;
     std::uint64_t row = 0;  // of the ledger
     int priority = 0;
@@ -120,7 +120,7 @@ class SplatLevels final : public ViewedTransfer {
   std::vector<Wanted> wanted_;  // most wanted first
   std::vector<Job> jobs_;
   std::map<Key, Piece> pieces_;
-  std::map<std::uint32_t, std::pair<Files, std::uint64_t>> files_;  // recent files, with the number of their last use
+  std::map<std::uint32_t, std::pair<Files, std::uint64_t>> files_;  // recent files, with the time of their last use
   std::uint64_t uses_ = 0;
   glm::dvec3 origin_{0};  // of all versions
   bool has_origin_ = false, chosen_ = false, changed_ = false, over_ = false;

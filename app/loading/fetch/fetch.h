@@ -28,7 +28,7 @@ struct Fetch {
   const vrml::Node* node = nullptr;  // node that refers to the resource; null for no node or several
   std::shared_ptr<ContentHandler> handler;
   std::uint64_t max_bytes = kNoLimit;  // maximum number of bytes; the others are omitted on purpose
-  bool cut = false;                    // `max_bytes` has omitted bytes
+  bool cut = false;                    // bytes beyond `max_bytes` were omitted
 
   // State of the current attempt.
   net::Validator validator;

@@ -6,7 +6,7 @@
 
 #include <utility>
 
-// Functions that read files at once, for importers and for views.
+// Functions that block until files are read, for importers and for views.
 namespace gs::app {
 
 ReadFile Fetcher::reader_of(const net::Origin& origin) {
@@ -46,7 +46,7 @@ ReadFiles Fetcher::files_for_views(const net::Origin& origin) {
                   [served, origin](std::span<const WantedPart> wanted) { return served->read(wanted, origin); });
 }
 
-// Makes a function that reads resources of servers by `read`, as far as the policy allows. It does not refer to this
+// Returns a function that reads resources of servers through `read` if the policy allows it. It does not refer to this
 // object.
 ReadWanted Fetcher::read_allowed(const net::Origin& origin, ReadWanted read) const {
   const auto cache = loading_.options.component.growing ? net::CacheUse::reload : net::Request{}.cache;
@@ -104,7 +104,7 @@ ReadFile Fetcher::reader_of_listed(std::shared_ptr<const ListedFolder> folder, c
                                }));
 }
 
-// Makes a function that reads files by `read`, as far as the policy allows. It does not refer to this object.
+// Returns a function that reads files through `read` if the policy allows it. It does not refer to this object.
 ReadFiles Fetcher::files_by(const net::Origin& origin, ReadWanted read) const {
   const auto cache = loading_.options.component.growing ? net::CacheUse::reload : net::Request{}.cache;
   return [read = std::move(read), origin, policy = policy_, offline = loading_.options.offline,

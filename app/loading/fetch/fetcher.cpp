@@ -383,7 +383,7 @@ void Fetcher::finish(Fetch& fetch, const std::optional<std::string>& problem) {
   if (!problem) fetch.handler->tell_progress(1);
 }
 
-// Counts the received parts of a fetch that ends. Views that receive further parts are not counted.
+// Counts the received parts of a fetch that ends. Parts that views receive later are not counted.
 void Fetcher::count_parts(Fetch& fetch) {
   if (fetch.parts) received_ += *std::exchange(fetch.parts, nullptr);
 }

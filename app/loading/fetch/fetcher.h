@@ -54,10 +54,10 @@ class Fetcher {
   [[nodiscard]] ReadFiles files_of(const net::Origin& origin);
   /// Returns a function that reads several files for views, as long as they live and on any thread.
   [[nodiscard]] ReadFiles files_for_views(const net::Origin& origin);
-  /// Returns a function that lists folders in buckets for a text from `origin`. With `by_view`, views call it as they
-  /// call that of files_for_views(). Returns null for origins without buckets.
+  /// Returns a function that lists folders in buckets for a text from `origin`. With `by_view`, views may call it
+  /// on any thread, as the function of files_for_views(). Returns null for origins without buckets.
   [[nodiscard]] ListFolder lister_of(const net::Origin& origin, bool by_view);
-  /// Completes the list of a bucket from its first page, which came from `url`.
+  /// Reads the other pages of a bucket's list. `first` is its first page, and `url` the URL of that page.
   [[nodiscard]] ListedFolder listed_folder(const net::Url& url, BucketPage first, const net::Origin& origin);
   /// Returns a function that reads the files of a listed folder for a text from `origin`.
   [[nodiscard]] ReadFile reader_of_listed(std::shared_ptr<const ListedFolder> folder, const net::Origin& origin);

@@ -20,8 +20,8 @@ WantedPart wanted_page(const net::Url& url) {
   return wanted;
 }
 
-/// Calls `take` for each page from `page` on. Returns the reason why further pages are missing; empty if there are
-/// none.
+/// Calls `take` for `page` and each page after it. Returns the reason why further pages are missing; empty if the list
+/// is complete.
 template <class Take>
 std::string for_pages(net::Url url, BucketPage page, const ReadWanted& read, const WorldBudget& budget, Take&& take) {
   for (std::size_t pages = 1;; ++pages) {
@@ -55,7 +55,7 @@ ListedFolder listed_folder(const net::Url& url, BucketPage first, const ReadWant
   folder.trouble = for_pages(url, std::move(first), read, budget, [&](const BucketPage& page) {
     for (const std::string& key : page.keys) {
       if (folder.names.size() >= kMostNames) return false;
-      // Stores show an empty object with a slash at its end as a folder.
+      // Skips empty objects with a slash at their end, by which stores represent folders.
       if (key.size() > folder.prefix.size() && key.starts_with(folder.prefix) && !key.ends_with('/') &&
           key.find('\n') == std::string::npos)
         folder.names.push_back(key.substr(folder.prefix.size()));
@@ -105,8 +105,8 @@ std::optional<std::vector<std::string>> names_in_bucket(const net::Url& folder, 
 
 ReadFile reader_of_listed(std::shared_ptr<const ListedFolder> folder, ReadWanted read) {
   struct Ahead {
-    std::map<std::string, std::size_t> places;  // in the list, by reference
-    std::map<std::string, FileResult> results;  // of files that were read before they were needed
+    std::map<std::string, std::size_t> places;  // indices in the list, by reference
+    std::map<std::string, FileResult> results;  // results of files that were read ahead
   };
   const auto ahead = std::make_shared<Ahead>();
   for (std::size_t i = 0; i < folder->names.size(); ++i) ahead->places[net::reference_of_path(folder->names[i])] = i;
@@ -133,7 +133,7 @@ ReadFile reader_of_listed(std::shared_ptr<const ListedFolder> folder, ReadWanted
         ahead->results.insert_or_assign(references[i], std::move(results[i]));
       known = ahead->results.find(reference);
     }
-    // The caller keeps what it needs.
+    // Each result is returned once; callers keep the files that they need again.
     const FileResult result = std::move(known->second);
     ahead->results.erase(known);
     if (const auto* const bytes = std::get_if<SharedBytes>(&result)) return *bytes;

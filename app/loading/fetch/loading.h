@@ -28,7 +28,7 @@ struct Loading {
   std::shared_ptr<Waker> waker = std::make_shared<Waker>();
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   LoadResults results;
-  std::shared_ptr<const ListedFolder> listed;  // folder of a scan on a server; null if the world is no such folder
+  std::shared_ptr<const ListedFolder> listed;  // folder of a scan on a server; null for other worlds
   Fetcher fetcher;
 };
 

@@ -53,7 +53,7 @@ class NetworkTransfers {
 
   /// Cancels the stream of this row in the ledger.
   void cancel_stream(std::uint64_t row);
-  /// Adds a transfer of which views choose the parts.
+  /// Adds a transfer of parts that views choose.
   void add_stream(std::shared_ptr<ViewedTransfer> stream) { streams_.push_back(std::move(stream)); }
   /// Requests what views want. Returns true if there was anything.
   bool step_streams();

@@ -78,7 +78,7 @@ void PartialFile::measure(std::size_t ranges, std::uint64_t bytes, std::chrono::
   const double seconds = std::chrono::duration<double>(time).count();
   if (bytes == 0 || seconds <= 0) return;
   bytes_per_second_ = std::max(bytes_per_second_, static_cast<double>(bytes) / seconds);
-  // Few ranges tell little: the connections wait for the slowest of them.
+  // Batches of few ranges are no good measure, because their time is that of the slowest range.
   const bool is_many = static_cast<double>(ranges) >= 2 * kConnections;
   if (ranges > 1 && !is_many) return;
   double alone = std::max(seconds - static_cast<double>(bytes) / bytes_per_second_, 0.0);

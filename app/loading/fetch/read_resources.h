@@ -28,7 +28,7 @@ struct WantedPart {
 
 /// Functions that read_resources() calls.
 struct ReadingHooks {
-  std::function<bool()> stopped;                                        // returns true if it must end
+  std::function<bool()> stopped;                                        // returns true if the reading must end
   std::function<void(net::LoadEvent)> other{};                          // takes events of other requests; may be null
   std::function<void()> wait;                                           // waits for events of the loader
   std::function<void(std::uint64_t bytes)> received{};                  // counts received bytes; may be null

@@ -15,10 +15,10 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMostKeyBytes = 1024;      // of a key in UTF-8; stores permit no more
-constexpr std::size_t kMostTokenBytes = 4096;    // of the token of the next page
+constexpr std::size_t kMostKeyBytes = 1024;      // maximum bytes of a key in UTF-8 in all stores
+constexpr std::size_t kMostTokenBytes = 4096;    // maximum bytes of the token of the next page
 constexpr std::size_t kMostKeysOfPage = 10'000;  // stores send at most 1,000
-constexpr std::size_t kMostListDepth = 8;            // of elements
+constexpr std::size_t kMostListDepth = 8;            // of nested elements
 constexpr std::string_view kListMark = "<ListBucketResult";
 
 std::string percent_decoded(std::string_view text) {
@@ -35,7 +35,7 @@ std::string decoded_key(std::string key) {
   return percent_decoded(key);
 }
 
-/// Returns a text as the value of a parameter (RFC 3986 2.3).
+/// Encodes a text as the value of a query parameter (RFC 3986 2.3).
 std::string query_value(std::string_view text) {
   std::string value;
   for (const char c : text) {
@@ -52,7 +52,7 @@ std::string query_value(std::string_view text) {
   return value;
 }
 
-/// Parse of a page, element by element.
+/// Parser of a page, element by element.
 class PageParse {
  public:
   explicit PageParse(const WorldBudget& budget)
@@ -73,7 +73,7 @@ class PageParse {
       marker_ = decoded_key(std::move(marker_));
     }
     if (!is_truncated_) return std::move(page_);
-    // Version 1 states a marker only for lists with folders; otherwise the last key is the marker.
+    // Version 1 has a marker only in lists with folders; otherwise the last key is the marker.
     if (!token_.empty())
       page_.next = "continuation-token=" + query_value(token_);
     else if (!marker_.empty() || !page_.keys.empty())
@@ -93,7 +93,7 @@ class PageParse {
     text_.clear();
   }
   void add(std::string_view text) {
-    // One byte more than permitted, so that end() notices longer texts.
+    // Keeps one byte more than permitted, so that end() notices longer texts.
     text_.append(text.substr(0, kMostTokenBytes + 1 - std::min(kMostTokenBytes + 1, text_.size())));
   }
   void end() {
@@ -131,7 +131,7 @@ net::Url without_query(net::Url url) {
   return url;
 }
 
-/// Returns true if hosts of this name have many buckets, which the path names.
+/// Returns true if a host of this name probably has several buckets, and paths begin with the bucket.
 bool is_store_of_many(std::string_view authority) {
   const auto place = net::host_and_port(authority);
   if (!place) return false;
@@ -180,7 +180,7 @@ BucketPlace place_of_list(const net::Url& url, const BucketPage& page) {
 
 net::Url list_url(const BucketPlace& place, bool folders, const std::string& next) {
   net::Url url = place.bucket;
-  // Stores take the path of a bucket without a slash, too, and some take only this one.
+  // Removes the slash after the bucket: all stores accept that path, and some accept no other.
   if (url.path.size() > 1) url.path.pop_back();
   url.has_query = true;
   url.query = "list-type=2";

@@ -61,7 +61,7 @@ FolderResult choose_in_folder(std::span<const std::string> names, const std::opt
       slices.push_back(&name);  // many scanners write names without extension
   }
   if (!slices.empty() && others.size() < slices.size()) {
-    // Names with an extension are slices for certain.
+    // Prefers a name with the extension of DICOM, which is certainly a slice.
     const auto certain =
         std::ranges::find_if(slices, [](const std::string* name) { return content_type_by_name(*name); });
     choice.files = {certain == slices.end() ? *slices.front() : **certain};

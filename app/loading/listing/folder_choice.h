@@ -13,18 +13,18 @@
 
 namespace gs::app {
 
-/// Returns the form of the last part of a URL if this is the name of a series, such as "run.%04d.qnv". The placeholder
-/// has precedence over percent-encoding.
+/// Returns the number pattern in the last part of a URL, such as "run.%04d.qnv". Returns nullopt if there is none. The
+/// placeholder has precedence over percent-encoding.
 [[nodiscard]] std::optional<NumberedName> series_of_url(std::string_view url);
 
-/// File that stands for a folder, and how it is read.
+/// Files by which readers open a folder, and the way to read them.
 struct FolderChoice {
   std::vector<std::string> files;  // names, in the order of the attempts
   bool is_scan = false;            // the files of the folder are slices of scans (DICOM)
-  TimeSteps steps;                 // of a series of numbered files, and the number of this one
+  TimeSteps steps;                 // steps of a series of numbered files, and the index of the chosen one
 };
 
-/// Chooses a file among the `names` of the files in a folder and its subfolders, which are sorted:
+/// Chooses a file by the sorted `names` of the files in a folder and its subfolders:
 ///
 /// - with `series`, the wanted step of the files with these names, or the first one;
 /// - otherwise the metadata of a Zarr or N5 container; the slices of a scan; or the only file of a known format.

@@ -13,10 +13,10 @@ namespace gs::app {
 /// the URL in its `info`, as "live data: URL". Returns "" if there is none.
 [[nodiscard]] std::string live_data_of(const vrml::SceneGraph& scene);
 
-/// Ending of the file that a running simulation writes for `ssh://` (docs/insitu.md). It has the address of its server.
+/// Extension of the file in which a running simulation writes the address of its server for `ssh://` (docs/insitu.md).
 inline constexpr std::string_view kLiveFileEnding = ".live";
-/// Returns the URL with a slash at its end if it names such a file of an account, because the files of the simulation
-/// are below it. Returns other URLs unchanged.
+/// Appends a slash to an ssh: URL with kLiveFileEnding, because the resources of the simulation are below it. Returns
+/// other URLs unchanged.
 [[nodiscard]] std::string live_address(const std::string& url);
 
 }  // namespace gs::app

@@ -82,8 +82,8 @@ struct LoadedWorld {
   std::string live;                   // URL of the JSON resource of a running simulation; empty if there is none
   std::optional<TimeSteps> steps;     // of a file with a surface that changes with time
   bool truncated = false;  // the file ends too early
-  std::size_t bytes = 0;  // size of the opened file, without references; of a file by parts, its first bytes
-  std::shared_ptr<const std::atomic<std::uint64_t>> parts;  // counter of further bytes of a file by parts; null for others
+  std::size_t bytes = 0;  // size of the opened file, without references; if read by parts, its first bytes
+  std::shared_ptr<const std::atomic<std::uint64_t>> parts;  // counter of further bytes if read by parts, else null
   /// Returns the bytes of the opened file that were read or received so far.
   [[nodiscard]] std::uint64_t received() const { return bytes + (parts ? parts->load() : 0); }
   double parse_seconds = 0;  // parsing time of the opened file, without references

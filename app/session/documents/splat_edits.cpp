@@ -155,11 +155,11 @@ const SplatExtent& SplatEdits::extent(const LoadedWorld& world) {
     extent_ = extent_coming_.get();
   if (extent_of_.lock() == of || extent_coming_.valid()) return extent_;
   extent_of_ = of;
-  constexpr std::size_t kMeasured = 50'000;  // Gaussians of a stream
+  constexpr std::size_t kMeasured = 50'000;  // sampled Gaussians of a stream
   const auto& gaussians = *of->as<qnv::Gaussians>();
   if (gaussians.stream) return extent_ = extent_of_splats(gaussians.stream->overview(kMeasured));
   if (gaussians.size() <= kMostRanked) return extent_ = extent_of_splats(gaussians);
-  // Until the thread is done, controls have the ranges of the splats before.
+  // Until the thread is done, controls use the extent of the previous splats.
   extent_coming_ = std::async(std::launch::async, [of] { return extent_of_splats(*of->as<qnv::Gaussians>()); });
   return extent_;
 }

@@ -61,8 +61,8 @@ class SplatEdits : NonCopyable {
   [[nodiscard]] const SplatsRemoved& removed() const { return removed_; }
   /// Returns the reason why the edit is not shown; empty if there is none.
   [[nodiscard]] const std::string& problem() const { return problem_; }
-  /// Returns the extent of the unedited splats of `world`. A background thread computes that of many splats; until it
-  /// is done, returns the previous extent.
+  /// Returns the extent of the unedited splats of `world`. A background thread computes the extent of many splats;
+  /// until it is done, returns the previous extent.
   [[nodiscard]] const SplatExtent& extent(const LoadedWorld& world);
 
  private:

@@ -77,8 +77,8 @@ void DocumentReaders::begin() {
   }
 }
 
-// Uses the early reader for a reading with the options `load`. Otherwise ends it, because its file may be wanted later
-// with other options.
+// Uses the early reader if its file and options match `reading` and `load`, else cancels it. Returns true if it uses
+// the reader.
 bool DocumentReaders::use_early(DocumentList::Reading& reading, const LoadOptions& load) {
   const auto given = std::exchange(early_, nullptr);
   if (!given || !given->reader) return false;

@@ -34,15 +34,15 @@ struct ReaderPeers {
   Follower& follower;
 };
 
-/// Reader of a file that was started before the session, while a window opens.
+/// Reader that starts before the session, while the window opens.
 struct EarlyReader {
   std::string path;
-  VoxelComponent data;                  // options with which the file is read
-  std::size_t memory = 0;               // limit with which the file is read, in bytes
-  std::shared_ptr<WorldReader> reader;  // null after it was used
+  VoxelComponent data;                  // options of the reading
+  std::size_t memory = 0;               // memory limit of the reading, in bytes
+  std::shared_ptr<WorldReader> reader;  // null after use
 };
 /// Starts reading a file for the first viewport of a session with the options `load`. The reader calls `wake`, which
-/// must be thread-safe. Returns null for local files, for URLs with a fragment, and for files that are followed.
+/// must be thread-safe. Returns null for local files, for URLs with a fragment, and with --follow.
 [[nodiscard]] std::shared_ptr<EarlyReader> read_early(const std::string& path, const LoadOptions& load,
                                                       std::function<void()> wake);
 
@@ -56,7 +56,7 @@ class DocumentReaders : NonCopyable {
   /// Cancels all readings and waits for their threads.
   ~DocumentReaders();
 
-  /// Uses a reader that has started for the first reading of its file, if its options are those of the session then.
+  /// Sets a reader for the first reading. The session uses it if file and options match, else cancels it.
   void use(std::shared_ptr<EarlyReader> early) { early_ = std::move(early); }
   /// Starts readers for files that viewports wait for.
   void begin();

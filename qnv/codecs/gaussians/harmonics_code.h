@@ -20,7 +20,7 @@ struct HarmonicModels {
   std::array<std::array<TypicalSize, 3>, 15> sizes;           // by coefficient and component
 };
 
-/// Codes the coefficients of a Gaussian, as luma and two differences each. With a Reader, `codes` is the result.
+/// Codes the coefficients of a Gaussian, each as luma and two differences. A Reader stores the result in `codes`.
 /// Returns false if all are 0.
 template <class Coder>
 bool code_harmonics(Coder& coder, HarmonicModels& models, int degree,

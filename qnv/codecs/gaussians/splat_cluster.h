@@ -51,11 +51,11 @@ struct PackedHarmonics {
 
 /// Relation of a decoded Gaussian to those that its cluster replaces.
 struct NodeOrigin {
-  std::uint16_t parent = 0;  // index among them
-  bool unchanged = false;    // it is its parent
+  std::uint16_t parent = 0;  // index among the replaced ones
+  bool unchanged = false;    // equal to its parent
 };
 
-/// Decodes the children of `parents`, of which leaves have none. The parent of the first cluster is root_node(), which
+/// Decodes the children of `parents`; leaves have none. The parent of the first cluster is root_node(), which
 /// is always replaced (`may_stay` is false). `models` are those at the end of their cluster, and
 /// become those at the end of this one. `origins` gets one entry per Gaussian. Returns nullopt if the bytes end early,
 /// or if there are too many Gaussians.

@@ -58,17 +58,17 @@ struct EncodeOptions {
   const TexturedSurface* textured = nullptr;  // displaced: source of the exact tail, or null; must outlive the call
   ValueTolerance tolerance;                   // values
   int splat_steps = 0;                        // gaussians: log2 of a factor of the errors, in eighths; -32 to 32
-  std::size_t part_splats = 0;                // gaussians: maximum number with a common tree; 0 means the usual one
+  std::size_t part_splats = 0;                // gaussians: maximum number in one tree; 0 means the default
   std::size_t memory = 0;                     // gaussians: bytes for parts that are encoded at the same time; 0 means
-                                              // the usual ones. The stream does not depend on it
-  SpillStore* spill = nullptr;                // values: holds the clusters; gaussians: also parts of the source. Null
-                                              // means memory; must outlive the call. Surfaces: passes data between
-                                              // `ranks`
+                                              // the default. The stream does not depend on it
+  SpillStore* spill = nullptr;                // values: holds the clusters; gaussians: also parts of the source;
+                                              // surfaces: passes data between `ranks`. Null means memory; must
+                                              // outlive the call
   StreamSink* sink = nullptr;                 // values, gaussians: takes the stream, which then has no bytes in memory;
                                               // or null
-  Ranks* ranks = nullptr;                     // processes that encode together, with a common `spill` and the same
-                                              // source; null means this process alone. Values and surfaces in runs;
-                                              // only rank 0 gets the stream of a surface
+  Ranks* ranks = nullptr;                     // values, and surfaces in runs: processes that encode one source
+                                              // together, with a common `spill`; null means only this process. Only
+                                              // rank 0 gets the stream of a surface
   std::optional<double> parity;               // loss of chunks that parity restores, 0 to 0.5; nullopt: as the codec
                                               // chooses. Displaced surfaces and values; others ignore it
   glm::dvec3 origin{0};                       // origin of triangles (Description::origin); vectors have their own

@@ -9,15 +9,15 @@
 
 namespace gs::qnv {
 
-/// Gaussians that are read in pieces, so that they may exceed memory.
+/// Source of Gaussians in pieces, so that they may exceed memory.
 struct GaussianSource {
   GeometryBase base;  // the box may be empty
   int degree = 0;
   bool antialiased = false;
   std::uint64_t count = 0;  // number of Gaussians
-  /// Passes all Gaussians to `take`, in pieces of any size. Each call passes the same Gaussians in the same order. Only
-  /// positions, scales, rotations, opacities, bases and harmonics are used. Returns false if `take` returned false, or
-  /// if reading failed.
+  /// Passes all Gaussians to `take`, in pieces of any size. Each call passes the same Gaussians in the same order.
+  /// Users read only positions, scales, rotations, opacities, bases and harmonics. Returns false if `take` did, or if
+  /// reading failed.
   std::function<bool(const std::function<bool(const Gaussians&)>& take)> read;
 };
 

@@ -9,7 +9,7 @@ namespace {
 
 EncodeError cannot_pass(const SpillStore& store) { return {"cannot pass data between processes: " + store.problem()}; }
 
-/// Appends bytes to the store of this rank, where the others can read them.
+/// Appends bytes to the store of this rank, from which other ranks can read them.
 std::optional<EncodeError> offer(SpillStore& store, std::span<const std::byte> bytes) {
   constexpr std::size_t kPiece = std::size_t{8} << 20;
   for (std::size_t at = 0; at < bytes.size(); at += kPiece)
@@ -18,7 +18,7 @@ std::optional<EncodeError> offer(SpillStore& store, std::span<const std::byte> b
   return std::nullopt;
 }
 
-/// Bytes in the store of a rank.
+/// Range of bytes in the common store.
 struct StoredPart {
   std::uint64_t at = 0, bytes = 0;
 };
@@ -82,7 +82,7 @@ std::variant<SurfaceSurvey, EncodeError> survey_of(EncodeRanks& shared, const Tr
 std::variant<EncodedStream, EncodeError> result_of_first(EncodeRanks& shared,
                                                          std::variant<EncodedStream, EncodeError> own) {
   if (shared.count() == 1) return own;
-  // The first byte: 0 means a stream, 1 an error, 2 an error of a source that another payload suits.
+  // First byte: 0 means a stream, 1 an error, 2 a source that another payload can encode (EncodeError::unsuited).
   std::string text;
   if (shared.rank() == 0) {
     const auto* const failed = std::get_if<EncodeError>(&own);

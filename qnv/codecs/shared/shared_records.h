@@ -17,7 +17,7 @@
 
 namespace gs::qnv {
 
-/// Ranks of an encoding and their common store. Without ranks, this process alone.
+/// Ranks of an encoding and their common store. Without ranks, this process is the only rank.
 class EncodeRanks {
  public:
   explicit EncodeRanks(const EncodeOptions& options)
@@ -53,23 +53,23 @@ inline constexpr const char* kUnreadable = "the surface cannot be read";
 [[nodiscard]] std::variant<SurfaceSurvey, EncodeError> survey_of(EncodeRanks& shared, const TriangleSource& source,
                                                                  Progress* progress);
 
-/// Returns the result of rank 0, without its stream. Rank 0 returns `own`. Collective.
+/// Returns `own` on rank 0. Other ranks return the error of rank 0, or an empty stream. Collective.
 [[nodiscard]] std::variant<EncodedStream, EncodeError> result_of_first(EncodeRanks& shared,
                                                                        std::variant<EncodedStream, EncodeError> own);
 
 /// Function that returns memory for a number of bytes.
 using RoomFor = std::function<std::span<std::byte>(std::uint64_t bytes)>;
 
-/// Passes bytes between ranks through their store. `own` has one part for each rank, and `ends` the ends of these
-/// parts. Fills `room` with the parts of all ranks for this rank, in the order of the ranks. Collective.
+/// Passes bytes between ranks through their store. `own` has one part for each rank; `ends` has the ends of the
+/// parts. Fills `room` with the parts that all ranks have for this rank, in the order of the ranks. Collective.
 [[nodiscard]] std::optional<EncodeError> pass_parts(EncodeRanks& shared, std::span<const std::byte> own,
                                                     std::span<const std::uint64_t> ends, const RoomFor& room);
-/// Fills `room` with the bytes of all ranks, in the order of the ranks. Other ranks than 0 skip that unless `all`.
+/// Fills `room` with the bytes of all ranks, in the order of the ranks. Unless `all` is true, only rank 0 does so.
 /// Collective.
 [[nodiscard]] std::optional<EncodeError> collect_bytes(EncodeRanks& shared, std::span<const std::byte> own, bool all,
                                                        const RoomFor& room);
 
-/// Sorts records, and adds equal ones with Record::add(). Equal records have equal keys.
+/// Sorts records by key, and merges records with equal keys by Record::add().
 template <class Record>
 void sort_and_add(std::vector<Record>& records) {
   std::sort(records.begin(), records.end(), [](const Record& a, const Record& b) { return a.key < b.key; });
@@ -82,9 +82,9 @@ void sort_and_add(std::vector<Record>& records) {
   records.resize(kept);
 }
 
-/// Returns the records of all ranks in the order of their keys. Records with equal keys are added, so that the order of
-/// additions must not matter. Each rank adds the records of some keys, chosen by Record::hash(). Other ranks than 0 get
-/// no records unless `all`. Collective.
+/// Returns the records of all ranks in the order of their keys. Merges records with equal keys by Record::add(), in any
+/// order. Record::hash() selects the rank that merges the records of a key. Unless `all` is true, only rank 0 gets the
+/// records. Collective.
 template <class Record>
 [[nodiscard]] std::variant<std::vector<Record>, EncodeError> merged_records(EncodeRanks& shared,
                                                                             std::vector<Record> own, bool all) {

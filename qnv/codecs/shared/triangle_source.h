@@ -11,7 +11,7 @@
 namespace gs::qnv {
 
 /// Reader of the triangles of a surface. Each call passes the same triangles in the same order. A large surface
-/// consists of runs, which can be read separately, so that several processes share them. One thread at a time.
+/// consists of runs. Each run can be read alone, so that several processes can share them. One thread at a time.
 class TriangleSource {
  public:
   using ReadRun = std::function<bool(std::uint64_t run, const TriangleSink&)>;

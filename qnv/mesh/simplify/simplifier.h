@@ -94,8 +94,8 @@ class Simplifier {
 };
 
 /// Returns a mesh with several times `wanted` triangles. Simplifies `parts` parts in parallel; `parts` is a power of
-/// two and at most 64. Geometry that two parts share stays unchanged. The result does not depend on the number of
-/// threads or ranks. Each rank simplifies some parts; other ranks than 0 return an empty mesh.
+/// two and at most 64. Geometry on the border of two parts stays unchanged. The result does not depend on the number of
+/// threads or ranks. Each rank simplifies some parts; only rank 0 returns the mesh, other ranks an empty one.
 [[nodiscard]] SurfaceMesh thinned(const SurfaceMesh& mesh, std::size_t wanted, std::size_t parts, unsigned threads,
                                   const SimplifyRanks& ranks = {});
 

@@ -25,7 +25,7 @@ constexpr std::size_t kKept = 4;
 /// Simplified part of a mesh.
 struct Part {
   SurfaceMesh mesh;
-  std::vector<std::array<std::uint32_t, 2>> kept;  // vertices that other parts share: index here, and in the whole mesh
+  std::vector<std::array<std::uint32_t, 2>> kept;  // vertices shared with other parts: index here and in the whole mesh
 };
 
 /// Sorts triangles into runs that are spatially compact. `parts` is the number of runs, a power of two.
@@ -72,7 +72,7 @@ void get(std::span<const std::byte>& bytes, std::vector<T>& values) {
   bytes = bytes.subspan(sizeof size + values.size() * sizeof(T));
 }
 
-/// Passes the simplified parts `first` to `end` of this rank to rank 0, which fills all other parts.
+/// Passes the simplified parts `first` to `end` - 1 to rank 0. On rank 0, fills the parts of all other ranks.
 void pass_parts(const SimplifyRanks& ranks, std::vector<Part>& parts, std::size_t first, std::size_t end) {
   std::vector<std::byte> own;
   for (std::size_t p = first; p < end; ++p) {

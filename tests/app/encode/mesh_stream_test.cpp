@@ -176,7 +176,7 @@ TEST_CASE("returns the triangles of a binary PLY as in its world") {
 
 TEST_CASE("reads the runs of a large mesh in any order") {
   const std::size_t run = MeshStream::kRunFaces, faces = run + 1000;
-  // A PLY of triangles alone, and one with a face of four corners, which has to be searched for the second run.
+  // A PLY of triangles only, and one with a face of four corners. There, finding the second run reads the first.
   const auto ply = [&](bool equal) {
     std::string text =
         "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
@@ -205,7 +205,7 @@ TEST_CASE("reads the runs of a large mesh in any order") {
     runs[0].insert(runs[0].end(), runs[1].begin(), runs[1].end());
     check_same_triangles(runs[0], all);
   }
-  // The size of this file suits triangles only, but it has others.
+  // The size of this file suggests only triangles, but it has other faces.
   std::string text = ply(true);
   text[text.size() - 4] = 2;
   CHECK_FALSE(open_mesh_stream(mesh_bytes(text))->source([](std::span<const qnv::Triangle>) { return true; }));

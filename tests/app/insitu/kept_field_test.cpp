@@ -104,7 +104,7 @@ TEST_CASE("in situ kept field: the ranks send the chunks that rank 0 names") {
       Ranks ranks(&table);
       const RankBlocks rank(grid, 90 * number / count, 90 * (number + 1) / count, 1);
       KeptField field;
-      field.keep(rank.blocks, rank.plan, {0, number == 1 ? 1e-6 : 0.001}, {});  // one of them sends floats
+      field.keep(rank.blocks, rank.plan, {0, number == 1 ? 1e-6 : 0.001}, {});  // rank 1 sends floats
       const std::vector<const KeptField*> kept{&field, &field, nullptr};
       const bool sound = gather_chunks(
           ranks, kept, wanted, [&](std::size_t i, std::vector<float> values) { chunks[i] = std::move(values); });

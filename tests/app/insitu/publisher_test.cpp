@@ -159,7 +159,7 @@ std::map<std::string, std::string> served_chunks(int ranks) {
     std::vector<double> values;
     gs_insitu_field field;
     const gs_insitu_block block = grid.block(80 * rank / ranks, 80 * (rank + 1) / ranks, values, field, 1);
-    // Rank 0 ends the run when the viewer is served. The last step has a known number on all ranks.
+    // Rank 0 ends the run after serving the viewer. All ranks agree on the number of the last step.
     const gs_insitu_parameter end{sizeof end, "end", nullptr, nullptr, 0, 1, 0, 0, 0};
     (void)gs_insitu_add_parameter(session.get(), &end);
     bool asked = false;

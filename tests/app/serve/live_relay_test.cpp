@@ -38,7 +38,7 @@ struct RelayedRun {
     server = std::move(std::get<std::unique_ptr<net::HttpServer>>(started));
     REQUIRE_FALSE(net::write_live_file(file, {net::name_of_machine(), "127.0.0.1", server->port(), token}));
   }
-  // Asks the relay until the content of a path below the file is known.
+  // Repeats a request to the relay until it has the content of a path below the file.
   [[nodiscard]] net::HeldContent get(const std::string& path, const std::string& within = {}) {
     for (int i = 0; i < 10'000; ++i) {
       net::HeldContent held = relay.content({file.substr(1) + path, within});
@@ -77,7 +77,7 @@ TEST_CASE("ssh: the server of a simulation is relayed through the file that name
   CHECK(run.get("/heat 1.zarr/0/c.0.0.0").body == "chunk");
   CHECK(run.get("/other").state == State::none);
   CHECK(run.get("/", run.file + "/").state == State::ready);
-  // A document of the folder must not reach servers that files in it name.
+  // A document in the folder must not reach the servers that live files in that folder name.
   CHECK(run.get("/", run.folder.path("")).state == State::none);
   CHECK(run.relay.content({"home/none.live/", {}}).state == State::none);
 }

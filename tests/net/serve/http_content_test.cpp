@@ -15,7 +15,7 @@ namespace {
 using gs::net::test::fetch;
 using State = HeldContent::State;
 
-/// Server with content that is ready after a number of questions.
+/// Server with content that is ready after a number of calls.
 struct ContentServer {
   explicit ContentServer(std::chrono::milliseconds wait) {
     HttpServerOptions options;

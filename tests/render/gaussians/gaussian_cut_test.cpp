@@ -95,7 +95,7 @@ TEST_CASE("a cut of Gaussians has the picture of all of them") {
   }
 }
 
-// Each picture is compared with one of the same view and the previous cut, so that motion does not count.
+// Compares each picture with one of an equal view and the previous cut, so that motion does not count.
 TEST_CASE("cuts of Gaussians change without popping") {
   const qnv::EncodedStream encoded = encoded_cloud();
   constexpr float kCoarse = 6;  // pixels, so that changes are visible

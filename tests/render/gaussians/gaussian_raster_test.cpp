@@ -224,7 +224,7 @@ TEST_CASE("draws equal Gaussians with any number of threads and both kernels") {
   const VolumeLayer five = rasterize_gaussians({&item, 1}, view);
   CHECK(one.pixels == five.pixels);
   CHECK(one.depth == five.depth);
-  // Another picture between both uses the same arrays.
+  // Draws another picture in between, which reuses the arrays.
   const SplatView other = view_of(90, 70);
   (void)rasterize_gaussians({&item, 1}, other);
   CHECK(rasterize_gaussians({&item, 1}, view).pixels == one.pixels);

@@ -50,7 +50,7 @@ class TreeFile final : public DatasetFile {
 
 /// Opens a Zarr or N5 container through one of its metadata files, or in an archive.
 DatasetFileResult open_zarr(const VolumeFile& file) {
-  // A server is asked for a list only if nothing else names the nodes.
+  // Requests a list from a server only if nothing else names the nodes.
   const bool lists = file.list_folder && (file.component.served || file.list_folder("."));
   ZarrPlace place{file.read_files, lists ? file.list_folder : nullptr, file.budget, file.component.served};
   if (is_zip(file.content.bytes)) {

@@ -212,7 +212,7 @@ class ZarrFile::Finder {
       std::erase_if(image.levels, [](const ZarrLevel& level) { return level.path.empty(); });
       if (image.levels.empty()) continue;
       file_.images_.push_back(std::move(image));
-      // Consolidated metadata list all nodes, also the labels.
+      // Consolidated metadata lists all nodes, including the labels.
       if (!listed) waiting_.push_back({zarr_path(path, "labels"), NodeKind::labels});
       listed = true;
     }

@@ -14,7 +14,7 @@ namespace gs::app {
 /// Returns the place of a container in a ZIP archive, or a message.
 [[nodiscard]] std::variant<ZarrPlace, std::string> zarr_place_of_zip(SharedBytes archive, const WorldBudget& budget);
 
-/// Returns the names of the metadata files through which a container is opened, in the order of the attempts.
+/// Returns the names of the metadata files by which readers open a container, in the order of the attempts.
 [[nodiscard]] std::span<const std::string_view> zarr_entry_files();
 /// Returns the URLs of metadata files to try, if a URL names a container on a server: it has a part that ends with
 /// ".zarr" or ".n5", and no file behind. Otherwise returns nothing.

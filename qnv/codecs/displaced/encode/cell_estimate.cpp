@@ -17,27 +17,27 @@
 namespace gs::qnv {
 namespace {
 
-// Number of triangles per face of an intersected cell's area: cells per face, averaged over directions, times two
+// Triangles per area of a cell face: 1.5 intersected cells, averaged over the directions of the surface, times two
 // triangles per vertex.
 constexpr double kTrianglesPerFace = 3;
-// Grids of one estimate. Each has cells of twice the edge of the grid before. The edge of kMiddleGrid is that of a
-// smooth surface.
+// Grids of one estimate. Cells of each grid have twice the edge of the previous one. The edge in kMiddleGrid is the one
+// expected for a smooth surface.
 constexpr std::size_t kGrids = 6, kMiddleGrid = 2;
 constexpr int kMaxEstimates = 12;
-// Part of the limit that the estimate aims at, because the estimate is not exact.
+// Target of the estimate, as a share of the limit. The margin allows for the error of the estimate.
 constexpr double kAimed = 0.9;
-constexpr std::size_t kAimedFrom = 64;  // smaller limits are met exactly
-// Cells of a sample at the limit, and the maximum number of cells in a sample. A sample that exceeds it counts as
+constexpr std::size_t kAimedFrom = 64;  // smaller limits get no margin
+// Expected cells of a sample if the grid is at the limit, and maximum cells of a sample. A larger sample counts as
 // infinite.
 constexpr std::size_t kSample = std::size_t{1} << 15, kMostSampled = std::size_t{1} << 17;
 
-/// Cells and triangles of a grid, whichever is more.
+/// Number of cells or of triangles of each grid, whichever is larger.
 using GridSizes = std::array<double, kGrids>;
 
-/// Counts of several grids over the triangles of this rank.
+/// Counts of cells and triangles in several grids, for the triangles of this rank.
 class GridCounts {
  public:
-  /// `finest` is the lattice of the first grid. One in `one_in` cells is sampled, a power of two.
+  /// `finest` is the lattice of the first grid. Samples one in `one_in` cells; `one_in` is a power of two.
   GridCounts(const CellLattice& finest, std::uint64_t one_in) : finest_(finest), mask_(one_in - 1) {}
 
   void add(const Triangle& triangle) {

@@ -26,13 +26,13 @@ struct CellLattice {
 };
 
 /// Returns the edge of the finest cells with at most `most` cells, and at most `most` triangles that have their corners
-/// in three cells. Both numbers are estimates from a sample of the cells of six or more grids. Usually reads the source
+/// in three cells. Estimates both numbers from a sample of the cells of six or more grids. Usually reads the source
 /// once. Needs about 10 MB. Does not depend on the order of the triangles. Collective.
 [[nodiscard]] std::variant<float, EncodeError> estimated_cell_edge(EncodeRanks& shared, const TriangleSource& source,
                                                                    const SurfaceSurvey& survey, std::size_t most,
                                                                    Progress* progress);
 
-/// Returns the edge of the largest cells that are useful: twice the longest edge of a box.
+/// Returns the edge of the largest useful cells: twice the longest edge of the box.
 [[nodiscard]] double coarsest_cell_edge(const Box& box);
 
 }  // namespace gs::qnv

@@ -268,7 +268,7 @@ std::variant<EncodedStream, EncodeError> encode_with_ranks(EncodeRanks& shared, 
                                                            const EncodeOptions& options, Progress* progress) {
   if (progress) progress->stage = "reading";
   SurfaceSurvey s;
-  // A source in runs probably exceeds memory. Counts its triangles before storing any.
+  // A source in runs probably exceeds memory, so its triangles are counted before any is stored.
   const bool surveyed = source.runs() > 1;
   if (surveyed) {
     auto survey = survey_of(shared, source, progress);

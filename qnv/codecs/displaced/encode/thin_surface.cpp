@@ -19,8 +19,8 @@ namespace {
 
 // Cells grow by this factor if their estimated number was too small.
 constexpr double kCautious = 1.08;
-// Maximum area of a triangle in cell faces, and bits after the point of sums of areas. A few large triangles do not
-// exceed the range.
+// Maximum weight of a triangle (twice its area, in areas of a cell face), and fraction bits of the sums of weights. The
+// maximum keeps sums with a few large triangles in range.
 constexpr float kMostArea = 4096;
 constexpr int kAreaBits = 26;
 
@@ -90,7 +90,7 @@ struct CellTriangle {
   void add(const CellTriangle&) {}
 };
 
-/// Cells of a part of a surface, and its triangles as keys of cells.
+/// Cells of a part of a surface. Its triangles are triples of cell keys.
 struct CellSurface {
   std::vector<KeyedCell> cells;
   std::vector<CellTriangle> triangles;
@@ -193,7 +193,7 @@ std::variant<std::optional<ThinnedSurface>, EncodeError> merged_surface(EncodeRa
     if (problem->message == kUnreadable) problem->message += " again";
     return std::move(*problem);
   }
-  // If the part of one rank exceeds the limit, the whole exceeds it, too.
+  // A part of one rank that exceeds the limit suffices to reject the grid.
   const std::uint64_t own = grid.full() ? most + 1 : grid.triangles();
   std::uint64_t all = 0;
   for (const std::uint64_t one : gather_records(shared.ranks(), std::span(&own, 1))) all += std::min(one, most + 1);

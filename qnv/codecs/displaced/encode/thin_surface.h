@@ -30,7 +30,7 @@ struct ThinnedSurface {
 /// corners in a grid cell into one vertex. Edges stay sharp, because the vertex is at the position nearest to the
 /// planes of the triangles (P. Lindstrom, Out-of-core simplification of large polygonal models, 2000). Details smaller
 /// than a cell vanish. Usually reads the source twice without storing it. Needs about 160 bytes per triangle of `most`.
-/// Deterministic: does not depend on the order of the triangles. All ranks share the reading, and get the result.
+/// Deterministic: does not depend on the order of the triangles. Ranks share the reading; all get the result.
 /// `survey` describes the whole source. Collective.
 [[nodiscard]] std::variant<ThinnedSurface, EncodeError> thin_surface(EncodeRanks& shared, const TriangleSource& source,
                                                                      const SurfaceSurvey& survey, std::size_t most,

@@ -135,7 +135,7 @@ void SplatForest::add_harmonics(std::span<const std::byte> payload, bool coarse)
   HarmonicModels models;
   std::array<std::array<int, 3>, harmonic_count(Gaussians::kMaxDegree)> codes{};
   std::vector<glm::vec3> coefficients;
-  std::vector<bool> own;  // other Gaussians have those of an ancestor
+  std::vector<bool> own;  // other Gaussians inherit those of an ancestor
   for (std::size_t i = first; i < last; ++i) {
     own.push_back(code_harmonics(reader, models, degree_, codes) || !coarse);
     if (decoder.exhausted()) break;

@@ -43,8 +43,8 @@ class SplatForest {
   [[nodiscard]] bool has_harmonics() const { return harmonics_; }
   [[nodiscard]] int degree() const { return degree_; }
 
-  /// Calls visit(node, harmonics) for each Gaussian that is shown. The harmonics are its own, else those of its nearest
-  /// ancestor. They are null if none were received.
+  /// Calls visit(node, harmonics) for each Gaussian that is shown. `harmonics` are its own, else those of its nearest
+  /// ancestor with harmonics, else null.
   template <class Visit>
   void visit_shown(const Visit& visit) const {
     for (const auto& [id, held] : clusters_)

@@ -9,7 +9,7 @@
 namespace gs::qnv::gaussians {
 namespace {
 
-/// Chunk that may come next.
+/// Candidate for the next chunk of the stream.
 struct ChunkCandidate {
   double use = 0;
   std::uint32_t parent = 0;  // identifier
@@ -84,7 +84,7 @@ OrderedChunks::OrderedChunks(std::vector<ChunkRecord> records, std::size_t most_
 }
 
 void OrderedChunks::find_order(std::size_t most_vectors) {
-  // Records by their parents.
+  // Groups the records by their parents.
   const std::size_t count = records_.size();
   std::vector<std::uint32_t> starts(count + 1), children(count);
   for (const ChunkRecord& record : records_)
@@ -124,7 +124,7 @@ void OrderedChunks::find_order(std::size_t most_vectors) {
   }
 }
 
-// Adds the gain of each chunk to that of the cluster that it needs.
+// Adds the gain of each chunk to the gain of the cluster that it requires.
 void OrderedChunks::add_gains() {
   for (ChunkRecord& record : records_) record.gain = std::max(record.gain, 0.0);
   for (std::size_t i = order_.size(); i-- > 0;) {

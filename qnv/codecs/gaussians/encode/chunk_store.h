@@ -22,14 +22,14 @@ struct ChunkRecord {
   std::uint32_t bytes = 0;   // without the head
   ChunkType type = ChunkType::gaussians;
   std::uint32_t level = 0;
-  std::uint32_t parent = ClusterHead::kNoParent;  // record of the replaced cluster, or of the cluster of harmonics
+  std::uint32_t parent = ClusterHead::kNoParent;  // record of the replaced cluster, or of the harmonics' cluster
   std::uint32_t first = 0, count = 0;             // as in the head
   std::uint32_t vectors = 0, replaced = 0;
   double gain = 0;  // reduction of the squared error
   Box box;
 };
 
-/// Store of bytes for several threads. Any thread.
+/// Store of bytes. Any thread.
 class SharedStore {
  public:
   explicit SharedStore(SpillStore& store) : store_(store) {}
@@ -47,15 +47,15 @@ class SharedStore {
 /// Records of the chunks of one tree, in the order in which they were encoded. One thread.
 class ChunkRecords {
  public:
-  /// The chunks of clusters before `first_id` are in other records.
+  /// `first_id` is the identifier of the first cluster; lower identifiers belong to other records.
   ChunkRecords(SharedStore& store, std::uint32_t first_id) : store_(store), first_id_(first_id) {}
 
   /// Adds a cluster and its harmonics. Returns false if the store is full.
   [[nodiscard]] bool add(const EncodedCluster& cluster, std::span<const EncodedHarmonics> harmonics, const Box& box);
-  /// Returns the identifier after that of the last cluster.
+  /// Returns the last cluster's identifier plus 1.
   [[nodiscard]] std::uint32_t end_id() const { return first_id_ + static_cast<std::uint32_t>(clusters_.size()); }
-  /// Appends the records to others. `clusters` are the places of the records of the clusters before `first_id`; the
-  /// first call sets them.
+  /// Appends the records to `all`. `clusters` has the indices of the clusters before `first_id` in `all`; the first
+  /// call sets it.
   void append_to(std::vector<ChunkRecord>& all, std::vector<std::uint32_t>& clusters) const;
 
  private:
@@ -65,11 +65,11 @@ class ChunkRecords {
   std::vector<std::uint32_t> clusters_;  // records of the clusters from first_id_ on
 };
 
-/// Chunks of a stream in their order: the most useful first, but clusters before those that need them.
+/// Chunks in the order of the stream: the most useful first, but each cluster before the chunks that require it.
 class OrderedChunks final : public ChunkList {
  public:
-  /// Parents of `records` are places in `records`. Further clusters end when `most_vectors` Gaussians are shown; 0
-  /// means never.
+  /// Parents of `records` are indices in `records`. Omits further clusters once `most_vectors` Gaussians are shown; 0
+  /// means unlimited.
   OrderedChunks(std::vector<ChunkRecord> records, std::size_t most_vectors, const SharedStore& store);
 
   [[nodiscard]] std::size_t size() const override { return order_.size(); }
@@ -84,7 +84,7 @@ class OrderedChunks final : public ChunkList {
   const SharedStore& store_;
 };
 
-/// Returns the bounds of Gaussians, cut by the box of the stream.
+/// Returns the bounds of Gaussians, clipped to the box of the stream.
 [[nodiscard]] Box bounds_of(std::span<const SplatNode> nodes, const Box& whole);
 
 }  // namespace gs::qnv::gaussians

@@ -18,7 +18,7 @@ namespace {
 // Maximum number of splats in a part of a large scene.
 constexpr std::size_t kPart = 250'000;
 
-/// Returns an error if the stream cannot have such splats.
+/// Returns an error if a stream cannot have these splats.
 std::optional<EncodeError> refusal_of(const GaussianSource& source) {
   if (source.count == 0) return EncodeError{"the source has no Gaussians; expected at least one"};
   if (source.degree < 0 || source.degree > Gaussians::kMaxDegree)

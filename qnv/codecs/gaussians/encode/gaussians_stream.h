@@ -8,7 +8,7 @@
 
 namespace gs::qnv {
 
-/// Maximum number of Gaussians with one tree, unless EncodeOptions::part_splats is set.
+/// Maximum number of Gaussians in one tree, unless EncodeOptions::part_splats is set.
 inline constexpr std::size_t kMostWholeGaussians = 500'000;
 
 /// Encodes Gaussian splats as a stream: FORMAT.md, "Gaussians payload". Uses these options: vectors, max_bytes,
@@ -16,8 +16,8 @@ inline constexpr std::size_t kMostWholeGaussians = 500'000;
 /// of harmonics that are not finite become 0. Runs on any thread; blocks.
 std::variant<EncodedStream, EncodeError> encode_gaussians(const Gaussians& source, const EncodeOptions& options,
                                                           Progress* progress = nullptr);
-/// Encodes Gaussians that may exceed memory. More than EncodeOptions::part_splats are divided into parts in space. Each
-/// part gets a tree of its own. One tree joins the merged Gaussians at the tops of these trees.
+/// Encodes Gaussians that may exceed memory. If there are more than EncodeOptions::part_splats, divides them into parts
+/// of space. Each part gets an own tree. One more tree joins the merged Gaussians at the tops of these trees.
 std::variant<EncodedStream, EncodeError> encode_gaussians(const GaussianSource& source, const EncodeOptions& options,
                                                           Progress* progress = nullptr);
 

@@ -14,15 +14,15 @@ namespace {
 
 // Coded bytes of harmonics at which a chunk ends. One Gaussian adds less than the difference to kMostClusterBytes.
 constexpr std::size_t kHarmonicsEnd = 900;
-// Merged Gaussians with so few leaves have no harmonics of their own, because those of the leaves are more useful.
+// Merged Gaussians with at most this many leaves have no own harmonics, because harmonics of leaves are more useful.
 constexpr std::uint32_t kFewHarmonicLeaves = 16;
-// Weight of errors by missing harmonics relative to errors of shapes and colours, by measurement.
+// Weight of errors by missing harmonics, relative to errors of shapes and colours. Found by measurement.
 constexpr double kGain = 0.5;
 
 bool finite_coefficient(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
-/// Returns the mean squared change of a colour over all directions, if its coefficients change from `b` to `a`. If `b`
-/// is empty, they were 0.
+/// Returns the mean squared change of a colour over all directions, if its coefficients change from `b` to `a`. An
+/// empty `b` means zeros.
 double change_of(std::span<const glm::vec3> a, std::span<const glm::vec3> b) {
   double sum = 0;
   for (std::size_t k = 0; k < a.size(); ++k) {

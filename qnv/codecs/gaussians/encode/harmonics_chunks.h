@@ -14,11 +14,11 @@
 
 namespace gs::qnv::gaussians {
 
-/// Coefficients of all nodes of a tree, harmonic_count() each. Those of a merged Gaussian are the means of its leaves,
-/// with the weight of their colours.
+/// Coefficients of all nodes of a tree, harmonic_count() each. Coefficients of a merged Gaussian are the means of its
+/// leaves, weighted as their colours.
 class MeanHarmonics {
  public:
-  /// Takes the coefficients of the first nodes, if they are known, and finds the others.
+  /// Takes the known coefficients of the first nodes, and computes the others.
   MeanHarmonics(const MergeTree& tree, const Gaussians& source, std::vector<glm::vec3> known = {});
 
   [[nodiscard]] std::span<const glm::vec3> of(std::uint32_t node) const {
@@ -30,7 +30,7 @@ class MeanHarmonics {
   std::vector<glm::vec3> all_;
 };
 
-/// Encoded harmonics of Gaussians of one cluster.
+/// Encoded harmonics of some Gaussians of one cluster.
 struct EncodedHarmonics {
   ChunkType type = ChunkType::harmonics;
   std::uint32_t first = 0, count = 0;  // as in HarmonicsHead

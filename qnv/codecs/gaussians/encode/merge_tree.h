@@ -37,19 +37,19 @@ struct MergedNode {
   Blob blob;
   float error = 0;  // squared error of pictures that show this node instead of its leaves; 0 for leaves
   std::uint32_t leaves = 1;
-  // Of a leaf, `left` is kNone and `right` the index of the Gaussian. If `left` is kOutside, the tree omits the
-  // children.
+  // Children. In a leaf, `left` is kNone and `right` is the index of the Gaussian. If `left` is kOutside, the tree
+  // omits the children.
   std::uint32_t left = kNone, right = kNone;
 
   [[nodiscard]] bool leaf() const { return left == kNone; }
   [[nodiscard]] bool outside() const { return left == kOutside; }
 };
 
-/// Nodes that a tree starts with.
+/// Trees from which MergeTree::join() starts.
 struct Forest {
   std::vector<MergedNode> nodes;     // children before their parents
-  std::vector<std::uint32_t> roots;  // places of the nodes without a parent
-  Box box;                           // of the means
+  std::vector<std::uint32_t> roots;  // indices of the nodes without a parent
+  Box box;                           // bounds of the means
 };
 
 /// Binary tree of merged Gaussians. Each merge replaces two close Gaussians by one with little difference in pictures.
@@ -60,10 +60,10 @@ class MergeTree {
   /// Builds the tree of at least one Gaussian with finite numbers. Returns nullopt if it is cancelled. Gives equal
   /// results for any number of threads.
   static std::optional<MergeTree> build(const Gaussians& source, unsigned threads, Progress* progress);
-  /// Builds one tree of the trees of a forest, or stops if at most `most` roots are left.
+  /// Merges the trees of a forest until at most `most` roots are left.
   static std::optional<MergeTree> join(Forest forest, float detail, std::size_t most, unsigned threads,
                                        Progress* progress);
-  /// Makes trees from their nodes and roots.
+  /// Constructs trees from their nodes and roots.
   MergeTree(std::vector<MergedNode> nodes, std::vector<std::uint32_t> roots, std::size_t given, float detail)
       : nodes_(std::move(nodes)), roots_(std::move(roots)), given_(given), detail_(detail) {}
 
@@ -72,7 +72,7 @@ class MergeTree {
   [[nodiscard]] std::span<const MergedNode> nodes() const { return nodes_; }
   [[nodiscard]] std::uint32_t root() const { return roots_.front(); }
   [[nodiscard]] const std::vector<std::uint32_t>& roots() const { return roots_; }
-  /// Returns the number of nodes of the forest that the tree started with. They are first.
+  /// Returns the number of nodes of the initial forest. They come first.
   [[nodiscard]] std::size_t given() const { return given_; }
   /// Returns the shape and the opacity of a node. Opacities above 1 become larger shapes.
   [[nodiscard]] BlobLook look(std::uint32_t i) const;
@@ -91,7 +91,7 @@ class MergeTree {
 /// Returns the standard deviation below which the details of a scene count as points. It depends on the median distance
 /// from the mean, because few splats may lie far away. `box` has all positions.
 [[nodiscard]] float detail_of(const Gaussians& source, const Box& box);
-/// Returns the leaves of Gaussians, which are the first nodes of their trees.
+/// Returns a forest of leaves, one per Gaussian.
 [[nodiscard]] Forest leaves_of(const Gaussians& source, const Box& box, float detail);
 /// Returns the area of a Gaussian with this covariance, averaged over directions, if its details below `detail` are
 /// blurred.

@@ -9,7 +9,7 @@ namespace {
 
 static_assert(std::is_trivially_copyable_v<MergedNode>);
 
-/// Appends a splat of another scene with the same degree.
+/// Appends a splat of other Gaussians with an equal degree.
 void append_splat(Gaussians& to, const Gaussians& from, std::size_t i) {
   const std::size_t per = harmonic_count(from.degree);
   to.degree = from.degree;
@@ -54,7 +54,7 @@ PartTop top_of(const MergeTree& tree, const Gaussians& source, std::size_t most)
     std::ranges::push_heap(heap, less);
     above.push_back(worst);
   }
-  // Children have smaller places than their parents.
+  // Children have smaller indices than their parents.
   PartTop top;
   top.places = heap;
   top.places.insert(top.places.end(), above.begin(), above.end());

@@ -14,31 +14,31 @@
 
 namespace gs::qnv::gaussians {
 
-/// Trees of one part of a scene, in a store without their leaves.
+/// Trees of one part of a scene in a store, which omits their leaves.
 struct StoredTree {
   std::uint64_t offset = 0;
   std::size_t merged = 0;  // number of stored nodes
   std::vector<std::uint32_t> roots;
 };
 [[nodiscard]] std::optional<StoredTree> store_tree(const MergeTree& tree, SharedStore& store);
-/// Reads trees. `source` must have the splats of the part. Returns nullopt if that is not possible.
+/// Reads trees. `source` must have the splats of the part. Returns nullopt if the store cannot be read.
 [[nodiscard]] std::optional<MergeTree> read_tree(const StoredTree& stored, const Gaussians& source, float detail,
                                                  const SharedStore& store);
 
 /// Nodes at the top of the trees of a part.
 struct PartTop {
-  Forest forest;                      // nodes without children in it are outside
-  std::vector<std::uint32_t> places;  // of the nodes in the trees of the part
+  Forest forest;                      // MergedNode::outside() marks nodes that have only children outside of it
+  std::vector<std::uint32_t> places;  // indices of the nodes in the trees of the part
   Gaussians leaves;                   // splats of the nodes that are leaves
   std::vector<glm::vec3> harmonics;   // of the nodes
 };
-/// Returns the top `most` nodes that stand for all others, with the nodes above them: those with the largest errors are
-/// replaced by their children.
+/// Returns at most `most` nodes that cover the whole part, and all nodes above them. Starts from the roots; replaces
+/// the node with the largest error by its children until there are `most` nodes.
 [[nodiscard]] PartTop top_of(const MergeTree& tree, const Gaussians& source, std::size_t most);
 
 /// Forest of the tops of all parts.
 struct TopForest {
-  /// Place of a node in the trees of a part.
+  /// Part of a node, and its index in the trees of that part.
   struct Origin {
     std::uint32_t part = 0, place = 0;
   };

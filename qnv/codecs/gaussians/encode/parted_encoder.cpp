@@ -13,16 +13,16 @@
 namespace gs::qnv::gaussians {
 namespace {
 
-// Number of splats that decide the cells and the plan.
+// Number of sampled splats that determine the cells and the plan.
 constexpr std::size_t kSampled = std::size_t{1} << 18;
-// Share of the largest part that cells have by the sample, because it is not exact.
+// Size of cells in the sample, as a share of the maximum part. The margin allows for the error of the sample.
 constexpr double kUsualShare = 0.85;
-// Merged Gaussians that a part leaves to the common tree, and those of which the common tree knows the children. With
-// the latter, clusters at the border of both have Gaussians of few parts.
+// Roots that a part passes to the common tree, and nodes below these roots at which the common tree ends. Because there
+// are more such nodes than roots, clusters at the border have Gaussians of few parts.
 constexpr std::size_t kRoots = 256, kTop = 1024;
-// Memory for parts at the same time, unless the options say more.
+// Memory for parts that are encoded at the same time, unless the options set it.
 constexpr std::size_t kUsualMemory = std::size_t{400} << 20;
-// Peak memory for a splat of a part without and for each coefficient of the harmonics.
+// Peak bytes of memory per splat of a part without harmonics, and per coefficient of harmonics.
 constexpr std::size_t kSplatBytes = 600, kHarmonicBytes = 16;
 
 /// Part of the scene with the results of each stage.
@@ -87,7 +87,7 @@ class PartedEncoder {
     if (progress_) progress_->done += splats;
   }
 
-  /// Reads all splats: checks them, and finds their box, a sample and the plan.
+  /// Reads and checks all splats; finds their box, a sample and the plan.
   bool survey() {
     const std::uint64_t every = std::max<std::uint64_t>(1, source_.count / kSampled);
     Gaussians sample;
@@ -131,7 +131,7 @@ class PartedEncoder {
     return true;
   }
 
-  /// Calls work(i) for all parts, several at the same time if memory permits. Returns false if a call does.
+  /// Calls work(i) for all parts, several at a time if memory permits. Returns false once a call does.
   template <class Work>
   bool for_parts(const Work& work) {
     const std::size_t each = most_ * (kSplatBytes + kHarmonicBytes * harmonic_count(source_.degree));
@@ -163,7 +163,7 @@ class PartedEncoder {
     return true;
   }
 
-  /// Joins the tops of the parts, encodes the clusters above them, and gives the others to the parts.
+  /// Joins the tops of the parts and encodes the clusters of the common tree. Passes their ends to the parts.
   bool encode_top() {
     const auto tree = MergeTree::join(std::move(top_.forest), plan_.detail, 1, options_.threads, progress_);
     if (!tree) return false;
@@ -177,7 +177,7 @@ class PartedEncoder {
     return true;
   }
 
-  /// Divides a cluster of given nodes into runs of Gaussians of one part.
+  /// Divides a cluster at the end of the common tree into ranges. Each range has Gaussians of one part.
   void add_ranges(const OpenCluster& cluster) {
     const std::size_t count = cluster.nodes.size();
     const auto part_at = [&](std::size_t i) { return top_.origins[cluster.places[i]].part; };
@@ -221,7 +221,7 @@ class PartedEncoder {
   TopForest top_;
   ChunkRecords top_records_{store_, 0};
   float first_error_ = 0;
-  std::uint32_t first_id_ = 0;  // of the clusters of parts
+  std::uint32_t first_id_ = 0;  // first identifier of clusters of parts
   std::mutex mutex_;
   std::optional<EncodeError> problem_;
 };

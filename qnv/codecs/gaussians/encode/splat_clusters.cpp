@@ -50,8 +50,8 @@ class ClusterEncoder {
   explicit ClusterEncoder(ClusterWork& work)
       : work_(work), source_(work.source), tree_(work.tree), precision_(work.precision) {}
 
-  /// Encodes all children of some Gaussians of a cluster, as one or more clusters. The first one has no identifiers in
-  /// its head.
+  /// Encodes all children of some Gaussians of a cluster, as one or more clusters. `first` means that `open` is the
+  /// root node, so that the result has no parent cluster.
   void divide(const OpenCluster& open, std::size_t begin, std::size_t end, bool first,
               const std::function<void(std::unique_ptr<ReadyCluster>)>& take) {
     Children children = children_of(open, begin, end, first);
@@ -141,8 +141,8 @@ class ClusterEncoder {
     return parts;
   }
 
-  /// Returns the children of some Gaussians of a cluster; leaves and the others have none. Returns an empty list if all
-  /// are leaves.
+  /// Returns the children of Gaussians `begin` to `end` of a cluster; leaves and other Gaussians have none. Returns an
+  /// empty list if all are leaves.
   [[nodiscard]] Children children_of(const OpenCluster& open, std::size_t begin, std::size_t end, bool first) {
     std::size_t leaves = 0;
     for (std::size_t i = begin; i < end; ++i)
@@ -154,7 +154,7 @@ class ClusterEncoder {
       for (const std::uint32_t place : children[0]) work_.first_error = std::max(work_.first_error, tree_[place].error);
       return children;
     }
-    // Small ranges of a large cluster keep their level.
+    // A range of a larger cluster does not jump to its leaves, even if they are few.
     const bool last = leaves <= kFewLeavesOfCluster && end - begin == open.nodes.size();
     float least = last ? -1 : work_.first_error * std::pow(kErrorRatio, -static_cast<float>(open.head.level + 1));
     // If no error is so large, this level takes smaller ones.

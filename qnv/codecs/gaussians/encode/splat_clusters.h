@@ -16,20 +16,20 @@ struct EncodedCluster {
   ClusterHead head;
   std::vector<std::byte> bytes;        // without the head
   std::vector<SplatNode> nodes;        // as decoded
-  std::vector<std::uint32_t> places;   // of the nodes in the tree
-  std::vector<std::uint32_t> parents;  // places of the nodes that they replace, or kNone; if equal, nodes are unchanged
+  std::vector<std::uint32_t> places;   // indices of the nodes in the tree
+  std::vector<std::uint32_t> parents;  // indices of the replaced nodes, or kNone; equal to `places` if unchanged
   double gain = 0;                     // reduction of the squared error
   std::uint32_t replaced = 0;          // number of Gaussians that it replaces
 };
 
-/// Returns the order of chunks: reduction of the squared error per byte. Chunks have some bytes besides their payload.
+/// Returns the sort key of a chunk: its gain per byte. Adds 60 bytes for the overhead besides the payload.
 [[nodiscard]] inline double use_of(double gain, std::size_t bytes) { return gain / (static_cast<double>(bytes) + 60); }
 
 /// Cluster that may be divided further.
 struct OpenCluster {
   ClusterHead head;
   std::vector<SplatNode> nodes;
-  std::vector<std::uint32_t> places;  // of the nodes in the tree
+  std::vector<std::uint32_t> places;  // indices of the nodes in the tree
   std::shared_ptr<const SplatModels> models;
 };
 
@@ -39,7 +39,7 @@ struct OpenRange {
   std::size_t from = 0, to = 0;
 };
 
-/// Tree to be encoded, and what all trees of a stream share.
+/// Tree to be encoded, and parameters that all trees of a stream share.
 struct ClusterWork {
   const Gaussians& source;  // of the leaves
   const MergeTree& tree;
@@ -50,8 +50,8 @@ struct ClusterWork {
 
 /// Encodes the parts of a tree below ranges of Gaussians as clusters of at most kMostClusterBytes with their heads, in
 /// order of their gain per byte; parents come first. Without ranges, encodes the whole tree and sets `first_error`.
-/// Ends early if `take` returns false. Clusters of which all Gaussians are leaves or given nodes go to `given` instead
-/// of being divided, if that is not null. Returns false if it is cancelled.
+/// Ends early if `take` returns false. If `given` is not null, it gets the clusters with only leaves and nodes of the
+/// initial forest (MergeTree::given). These clusters are not divided. Returns false if it is cancelled.
 bool encode_clusters(ClusterWork& work, std::vector<OpenRange> ranges,
                      const std::function<bool(EncodedCluster&&)>& take, std::vector<OpenCluster>* given,
                      Progress* progress);

@@ -11,7 +11,7 @@ namespace {
 
 // Floats of a splat without harmonics: position, scales, rotation, opacity, colour.
 constexpr std::size_t kSplatFloats = 14;
-// Size of the blocks of a part.
+// Size of a block of a part.
 constexpr std::size_t kBlockFloats = std::size_t{1} << 14;
 
 std::size_t floats_of(std::size_t per) { return kSplatFloats + 3 * per; }

@@ -13,10 +13,10 @@
 
 namespace gs::qnv::gaussians {
 
-/// Division of space into boxes with similar numbers of splats: a tree of planes along the axes (k-d tree).
+/// Division of space into boxes with similar numbers of splats: a k-d tree of axis-aligned planes.
 class SpaceCells {
  public:
-  /// Divides until each box has at most `most` of the positions.
+  /// Divides space until each box has at most `most` of the positions, unless too many coincide along an axis.
   SpaceCells(std::vector<glm::vec3> positions, std::size_t most);
 
   [[nodiscard]] std::size_t size() const { return cells_; }
@@ -24,9 +24,9 @@ class SpaceCells {
 
  private:
   struct Plane {
-    int axis = -1;  // of a cell: -1
+    int axis = -1;  // -1 for a cell
     float at = 0;
-    std::uint32_t below = 0, above = 0;  // planes; of a cell, `below` is its number
+    std::uint32_t below = 0, above = 0;  // indices of planes; for a cell, `below` is its number
   };
   std::uint32_t divide(std::span<glm::vec3> positions, std::size_t most);
 
@@ -63,13 +63,13 @@ class PartWriter {
   bool flush(Open& open);
 
   const SpaceCells& cells_;
-  std::size_t per_, most_;  // harmonics of a splat; splats of a part
+  std::size_t per_, most_;  // coefficients of a splat; maximum splats of a part
   SharedStore& store_;
-  std::vector<Open> open_;  // by cell
+  std::vector<Open> open_;  // one per cell
   std::vector<StoredPart> done_;
 };
 
-/// Reads the splats of a part with their box. Returns nullopt if that is not possible.
+/// Reads the splats of a part with their box. Returns nullopt if the store cannot be read.
 [[nodiscard]] std::optional<Gaussians> read_part(const StoredPart& part, int degree, const SharedStore& store);
 
 }  // namespace gs::qnv::gaussians

@@ -11,9 +11,9 @@ namespace {
 
 // Share of the Gaussians that are less important than those with the finest steps.
 constexpr double kLessImportant = 0.6;
-// Points are details of this size, relative to MergeTree::detail().
+// Size of details that count as points, relative to MergeTree::detail().
 constexpr double kPoint = 1.0 / 16;
-// Most lattice steps along the longest edge of the box, so that codes of places stay below their limit.
+// Maximum lattice steps along the longest edge of the box, so that codes of positions stay below their limit.
 constexpr double kMostSteps = 1 << 21;
 
 bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
@@ -37,7 +37,7 @@ Precision precision_of(const Gaussians& source, const Box& box, float detail) {
   return precision;
 }
 
-/// Sink that counts the bytes for another one.
+/// Sink that counts the bytes and passes them to another sink.
 class CountingSink final : public StreamSink {
  public:
   explicit CountingSink(StreamSink& sink) : sink_(sink) {}
@@ -97,7 +97,7 @@ bool encode_chunks(ClusterWork& work, std::vector<OpenRange> ranges, const MeanH
     good = records.add(cluster, chunks, bounds_of(cluster.nodes, work.precision.box));
     shown += cluster.nodes.size() - (cluster.head.parent == ClusterHead::kNoParent ? 0 : cluster.replaced);
     bytes += cluster.bytes.size();
-    // More chunks cannot be in the stream.
+    // Further chunks would exceed the limits of the stream.
     return good && (options.vectors == 0 || shown < options.vectors) &&
            (options.max_bytes == 0 || bytes < options.max_bytes);
   };

@@ -18,7 +18,7 @@ struct StreamPlan {
   Precision precision;
   float detail = 0;  // as MergeTree::detail()
 };
-/// Makes the plan of a stream. `sample` has all splats or some of them, which stand for all. `box` has the positions of
+/// Makes the plan of a stream. `sample` has all splats or a representative part of them. `box` bounds the positions of
 /// all splats.
 [[nodiscard]] StreamPlan plan_of(const GaussianSource& source, const Gaussians& sample, const Box& box,
                                  const EncodeOptions& options);

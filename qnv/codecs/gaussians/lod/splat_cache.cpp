@@ -10,7 +10,7 @@ namespace gs::qnv::gaussians {
 namespace {
 
 constexpr std::size_t kClustersPerTask = 8;
-// Share of the memory for states of clusters.
+// States of clusters may use 1 / kStatePart of the memory.
 constexpr std::size_t kStatePart = 3;
 
 std::size_t bytes_of(const Gaussians& all) {
@@ -18,7 +18,7 @@ std::size_t bytes_of(const Gaussians& all) {
          all.harmonics.size() * sizeof(glm::vec3);
 }
 
-/// Returns a Gaussian of a block as it was decoded: its codes follow from its numbers.
+/// Returns the decoded form of a Gaussian of a block: computes the codes from the values.
 SplatNode node_of_block(const Gaussians& all, std::size_t i, bool leaf) {
   SplatNode node;
   for (std::size_t k = 0; k < 3; ++k)
@@ -125,7 +125,7 @@ std::unique_ptr<SplatCache::Entry> SplatCache::made(std::uint32_t cluster, std::
   return entry;
 }
 
-// Adds the harmonics that were received since the ancestors of clusters were decoded: new clusters may inherit them.
+// Adds new harmonics to the decoded ancestors of clusters, because the clusters may inherit them.
 void SplatCache::update_parents(std::span<const std::uint32_t> clusters) {
   if (chunks_.header().gaussians.degree == 0) return;
   std::vector<std::uint32_t> above;
@@ -167,7 +167,7 @@ void SplatCache::decode(std::vector<std::uint32_t> clusters, std::uint64_t now) 
   }
 }
 
-// Takes a decoded cluster, and notes what is known from now on, even after its data is dropped.
+// Stores a decoded cluster. Notes its bounds and sizes in the tree, which keeps them after the data is dropped.
 void SplatCache::keep(std::uint32_t index, std::unique_ptr<Entry> made, std::uint64_t now) {
   drop(index);
   made->used = made->state_used = now;
@@ -222,7 +222,7 @@ void SplatCache::add_harmonics(std::span<const std::uint32_t> clusters) {
   std::vector<std::uint32_t> changed;
   for (const std::uint32_t i : clusters)
     if (has(i) && entries_[i]->harmonics < received_harmonics(i)) changed.push_back(i);
-  // Gaussians get those of their parents, which must be complete.
+  // Gaussians inherit harmonics of their parents, so each level must be complete before the next one.
   for (std::size_t first = 0, last = 0; first < changed.size(); first = last) {
     while (last < changed.size() && tree_[changed[last]].level == tree_[changed[first]].level) ++last;
     std::vector<std::shared_ptr<Gaussians>> results(last - first);
@@ -278,7 +278,7 @@ void SplatCache::shrink_states() {
   for (std::uint32_t i = 0; i < entries_.size(); ++i)
     if (has_state(i)) old.emplace_back(entries_[i]->state_used, i);
   std::ranges::sort(old);
-  // Frees more than necessary, so that the next cuts need no search.
+  // Frees more than necessary, so that the next cuts need not search again.
   for (const auto& [used, i] : old) {
     if (state_bytes_ <= most_bytes_ / kStatePart / 4 * 3) break;
     drop_state(i);

@@ -15,8 +15,8 @@ namespace gs::qnv::gaussians {
 /// Appends a decoded Gaussian without its harmonics, normal and weight, which views do not need.
 void append_splat(const SplatNode& node, Gaussians& all);
 
-/// Decoded clusters of a stream: Gaussians that are drawn, and states that children need. Call from one thread; uses
-/// others internally.
+/// Decoded clusters of a stream: Gaussians for drawing, and states for decoding children. Call from one thread; uses
+/// other threads internally.
 class SplatCache : NonCopyable {
  public:
   /// Gaussians of a cluster: inner ones first, in the order of the stream, then the leaves.
@@ -36,7 +36,7 @@ class SplatCache : NonCopyable {
 
   /// Decodes clusters. The parent of each must have its state or be in `clusters`. Rejects invalid clusters.
   void decode(std::vector<std::uint32_t> clusters, std::uint64_t now);
-  /// Finds out which of its parent's Gaussians a cluster replaces, and their size, if the parent is decoded.
+  /// Finds the Gaussians of the parent that a cluster replaces, and their size, if the parent is decoded.
   void size_up(std::uint32_t cluster);
   /// Adds the harmonics that were received since the clusters were decoded. Parents must be before their children.
   void add_harmonics(std::span<const std::uint32_t> clusters);
@@ -45,9 +45,9 @@ class SplatCache : NonCopyable {
   void pin(std::uint32_t cluster, std::uint64_t now);
   /// Marks the state of a cluster as used.
   void use_state(std::uint32_t cluster, std::uint64_t now);
-  /// Frees the least recently used states until the limit of their part of the memory is met.
+  /// Frees the least recently used states until they fit into their share of the memory.
   void shrink_states();
-  /// Frees the least recently used data until the limit is met. Keeps Gaussians that were pinned at `now`.
+  /// Frees the least recently used data until it fits into the limit. Keeps Gaussians that were pinned at `now`.
   void shrink(std::uint64_t now);
 
   /// Returns the number of clusters to decode at once, so that their states do not exceed the memory.
@@ -61,10 +61,10 @@ class SplatCache : NonCopyable {
     Block block;
     std::unique_ptr<const SplatState> state;
     std::vector<std::uint16_t>
-        ranks;  // inner Gaussians before each one in the order of the stream; empty if all are leaves
+        ranks;  // number of inner Gaussians before each Gaussian in the order of the stream; empty if all are leaves
     std::vector<NodeOrigin> origins;  // in the order of the block; parents are indices in the parent's block; empty
                                       // without harmonics
-    std::uint32_t harmonics = 0;      // received chunks of harmonics that the block has, with those of its ancestors
+    std::uint32_t harmonics = 0;      // received chunks of harmonics of the block and its ancestors
     std::uint64_t used = 0, state_used = 0;
     std::size_t bytes = 0, state_bytes = 0;
   };
@@ -73,7 +73,7 @@ class SplatCache : NonCopyable {
   }
   /// Returns the number of received chunks of harmonics of a cluster and of its ancestors.
   [[nodiscard]] std::uint32_t received_harmonics(std::uint32_t cluster) const;
-  /// Gives the Gaussians of a block their own harmonics, else those of their parents, if these are decoded.
+  /// Sets the harmonics of a block: own ones, else those of the parents if these are decoded.
   void put_harmonics(std::uint32_t cluster, const Entry& own, Gaussians& splats) const;
   [[nodiscard]] std::unique_ptr<Entry> made(std::uint32_t cluster, std::unique_ptr<SplatState> state) const;
   void update_parents(std::span<const std::uint32_t> clusters);

@@ -9,9 +9,9 @@
 namespace gs::qnv::gaussians {
 namespace {
 
-constexpr std::size_t kSampledHeads = 8;  // chunks that are read to test whether the directory is wrong
+constexpr std::size_t kSampledHeads = 8;  // number of chunks to compare with the directory
 constexpr std::size_t kBytesPerScan = std::size_t{1} << 18;
-// Offset beyond the end of any stream, and beyond those of StreamFeed::add_loose().
+// First offset of restored chunks: beyond the end of any stream, and beyond offsets of StreamFeed::add_loose().
 constexpr std::uint64_t kNowhere = std::uint64_t{1} << 63;
 
 }  // namespace
@@ -69,7 +69,7 @@ void SplatChunks::read_directory_of_source() {
   }
 }
 
-// Reports whether the directory belongs to this stream: in a sample, the heads of the clusters must match.
+// Reports whether the directory belongs to this stream: compares it with the heads of sampled clusters.
 bool SplatChunks::directory_fits() const {
   std::vector<std::byte> buffer;
   const auto fits = [&](std::uint32_t index) {
@@ -77,14 +77,14 @@ bool SplatChunks::directory_fits() const {
     if (cluster.broken || cluster.bytes == 0) return true;
     const auto chunk = read_chunk(*source_, cluster.offset, cluster.bytes, buffer);
     const auto* sound = std::get_if<SoundChunk>(&chunk);
-    if (!sound) return true;  // damaged chunk; says nothing about the directory
+    if (!sound) return true;  // a damaged chunk proves nothing about the directory
     const auto packed = parse_cluster(sound->payload);
     return sound->type == ChunkType::gaussians && packed && packed->head.id == cluster.id &&
            packed->head.level == cluster.level;
   };
   for (std::size_t i = 0; i < tree_.size(); i += std::max<std::size_t>(1, tree_.size() / kSampledHeads))
     if (!fits(static_cast<std::uint32_t>(i))) return false;
-  // Requires the first cluster, which every view needs: a wrong directory must not lose it.
+  // The root cluster must decode, because every view needs it.
   return decode(tree_.root(), nullptr) != nullptr;
 }
 
@@ -107,7 +107,7 @@ void SplatChunks::scan() {
   for (const StreamProblem& one : reader.problems()) problem(one.offset, one.message);
 }
 
-// Adds a chunk to the tree. Returns false if it is not new or not usable; `why` has the reason of the latter.
+// Adds a chunk to the tree. Returns false if it is known, invalid or of another type; sets `why` if it is invalid.
 bool SplatChunks::note(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset, std::string& why) {
   const auto bytes = static_cast<std::uint32_t>(kChunkHeaderBytes + payload.size());
   if (type == ChunkType::gaussians) {
@@ -167,7 +167,7 @@ bool SplatChunks::add(std::uint64_t offset, std::span<const std::byte> chunk) {
   return take(std::get<SoundChunk>(sound).type, std::get<SoundChunk>(sound).payload, offset);
 }
 
-// Processes a received chunk of a growing stream. Parity restores lost chunks, which then have no place in the stream.
+// Processes a received chunk of a growing stream. Parity restores lost chunks, which get offsets from kNowhere on.
 bool SplatChunks::take(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
   const LostChunks::Take restored = [this](ChunkType whole, std::span<const std::byte> bytes) {
     (void)store(whole, bytes, kNowhere + restored_++);
@@ -182,7 +182,7 @@ bool SplatChunks::take(ChunkType type, std::span<const std::byte> payload, std::
 bool SplatChunks::store(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
   if (arrived_->has(offset)) return true;
   std::string why;
-  // A chunk in the tree must be readable, so it is stored first.
+  // Stores the chunk first, because chunks in the tree must be readable.
   if (!arrived_->add(offset, encode_chunk(type, payload)))
     why = "not enough memory for more chunks";
   else if (note(type, payload, offset, why))
@@ -258,7 +258,7 @@ ClusterHarmonics SplatChunks::decode_harmonics(std::uint32_t index, std::span<co
     HarmonicModels models;
     std::array<std::array<int, 3>, harmonic_count(Gaussians::kMaxDegree)> codes{};
     std::vector<glm::vec3> own;
-    std::vector<bool> has_own;  // other Gaussians have those of an ancestor
+    std::vector<bool> has_own;  // other Gaussians inherit those of an ancestor
     for (std::size_t k = first; k < last && !decoder.exhausted(); ++k) {
       has_own.push_back(code_harmonics(reader, models, degree, codes) || !coarse);
       const double step = harmonic_step(nodes[k], precision_);

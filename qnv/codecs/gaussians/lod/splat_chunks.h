@@ -18,7 +18,7 @@
 
 namespace gs::qnv::gaussians {
 
-/// Everything that the children of a cluster need for decoding.
+/// Data of a cluster that decoding its children requires.
 struct SplatState {
   std::vector<SplatNode> nodes;     // in the order of the stream
   std::vector<NodeOrigin> origins;  // parents are indices in the parent cluster; empty without harmonics
@@ -28,7 +28,7 @@ struct SplatState {
 /// Harmonics of a cluster, as received. The arrays have harmonic_count() coefficients per Gaussian, or are empty.
 struct ClusterHarmonics {
   std::vector<glm::vec3> leaves, merged;
-  std::vector<bool> known_leaves, known_merged;  // one per Gaussian: received; empty if none is
+  std::vector<bool> known_leaves, known_merged;  // one per Gaussian: has received harmonics; empty if none has
 };
 
 /// Chunks of a stream of Gaussians, and the tree of their clusters. The stream is in memory, in a file, or still
@@ -37,8 +37,8 @@ class SplatChunks {
  public:
   using Opened = std::variant<SplatChunks, StreamProblem>;
 
-  /// Opens a complete stream. With `trust_directory`, reads only the header and the directory now; if the directory is
-  /// incomplete or wrong, and without `trust_directory`, reads the whole stream once.
+  /// Opens a complete stream. With `trust_directory`, reads only the header and the directory now. Without it, or if
+  /// the directory is incomplete or wrong, reads the whole stream once.
   [[nodiscard]] static Opened open(std::shared_ptr<const ChunkSource> source, bool trust_directory);
   /// Opens a growing stream from its first bytes, which must contain the whole header.
   [[nodiscard]] static Opened begin(std::span<const std::byte> front);
@@ -54,18 +54,18 @@ class SplatChunks {
   /// Decodes a received cluster. `parent` is the state of its parent; null for the root. Returns null if the bytes are
   /// invalid. May run in several threads at once.
   [[nodiscard]] std::unique_ptr<SplatState> decode(std::uint32_t cluster, const SplatState* parent) const;
-  /// Decodes the received harmonics of a cluster. `leaves` are its leaves, and `merged` its other Gaussians that are
-  /// not unchanged, both in the order of the stream.
+  /// Decodes the received harmonics of a cluster. `leaves` are its leaves, and `merged` its other Gaussians except
+  /// unchanged ones, both in the order of the stream.
   [[nodiscard]] ClusterHarmonics decode_harmonics(std::uint32_t cluster, std::span<const SplatNode> leaves,
                                                   std::span<const SplatNode> merged) const;
 
-  /// Chunk that is received, for readers that decode all of them.
+  /// Received chunk, for decoders of the whole stream.
   struct Received {
     ChunkType type = ChunkType::gaussians;
     std::uint64_t offset = 0;
     std::uint32_t bytes = 0;
   };
-  /// Returns all received chunks: parents before their children, harmonics of both types last, with the same type.
+  /// Returns all received chunks: clusters with parents before children, then harmonics. All harmonics have one type.
   [[nodiscard]] std::vector<Received> received() const;
   [[nodiscard]] const std::shared_ptr<const ChunkSource>& source() const { return source_; }
 

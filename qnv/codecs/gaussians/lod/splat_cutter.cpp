@@ -13,10 +13,10 @@ namespace gs::qnv::gaussians {
 namespace {
 
 constexpr std::size_t kMaxWanted = 4096;
-// A Gaussian may stay if its deviation in the picture, times the root of its opacity, is at most this for an error of
-// one pixel. The renderer widens all Gaussians by about half a pixel.
+// Gaussians are fine enough if their deviation in the picture, times the root of the opacity, is at most this. Applies
+// to an error of one pixel. The renderer widens all Gaussians by about half a pixel.
 constexpr float kSmallPixels = 0.5f;
-// Hysteresis: the size of clusters in the last cut is divided by this, which prefers them to new clusters.
+// Hysteresis: dividing the size of clusters in the last cut by this factor prefers them to new clusters.
 constexpr float kGivenUp = 0.7f;
 // Increase of the priority of clusters in the last cut, if the view is identical.
 constexpr float kStays = 1e30f;
@@ -24,7 +24,7 @@ constexpr float kStays = 1e30f;
 constexpr int kMaxRounds = 64;
 // Duration of a change of the cut, in seconds.
 constexpr double kFadeSeconds = 0.25;
-// Part of the cut that may fade at the same time. Other changes are immediate.
+// At most 1 / kFadingPart of the cut may fade at the same time. Other changes are immediate.
 constexpr std::size_t kFadingPart = 2;
 constexpr std::size_t kLeastFading = 20'000;
 // Reach of a Gaussian, in standard deviations.
@@ -36,7 +36,7 @@ float distance_to(const Box& box, const glm::vec3& p) {
   return std::sqrt(glm::dot(d, d));
 }
 
-// Enlarges a box along the faces at which that of the stream clips it. The box of the stream bounds only centres.
+// Enlarges a box at the faces where the box of the stream clips it, because that box bounds centres only.
 Box unclipped(Box box, float reach, const Box& stream) {
   const glm::vec3 margin = stream.size() * 1e-4f;
   for (int i = 0; i < 3; ++i) {
@@ -106,7 +106,7 @@ const std::vector<SplatRun>& SplatCutter::cut(const LodView& view, std::optional
   return viewport.runs;
 }
 
-// Frees decoded data that no viewport's last cut needs, down to the limit.
+// Frees decoded data until the limit is met. Keeps the data of the last cut of each viewport.
 void SplatCutter::keep_cuts() {
   for (const Viewport& each : viewports_) {
     for (const std::uint32_t cluster : each.chosen) cache_.pin(cluster, cuts_);
@@ -115,7 +115,7 @@ void SplatCutter::keep_cuts() {
   cache_.shrink(cuts_);
 }
 
-// Returns the slot of a viewport. A new viewport gets the slot that was unused for longest.
+// Returns the slot of a viewport. A new viewport gets the least recently used slot.
 std::size_t SplatCutter::viewport_of(std::uint32_t id) {
   std::size_t oldest = 0;
   for (std::size_t i = 0; i < kViewports; ++i) {
@@ -165,7 +165,7 @@ std::int64_t SplatCutter::budget_of(const LodView& view) const {
   return static_cast<std::int64_t>(view.budget == 0 ? most_splats_ : std::min(view.budget, most_splats_));
 }
 
-// Returns the change of a cut's number of Gaussians if this cluster is added.
+// Returns the number of Gaussians that a cluster adds to a cut, less those that it replaces.
 std::int64_t SplatCutter::gained(std::uint32_t index) const {
   const SplatCluster& cluster = tree_[index];
   std::int64_t more = cluster.marks.visible ? cluster.splats : 0;
@@ -174,8 +174,8 @@ std::int64_t SplatCutter::gained(std::uint32_t index) const {
   return more;
 }
 
-// Returns the size in the picture of the Gaussians that a cluster replaces, in pixels. Until they are known, all inner
-// ones of its parent count.
+// Returns the size in the picture of the Gaussians that a cluster replaces, in pixels. Until these are known,
+// uses all inner Gaussians of the parent.
 float SplatCutter::key_of(const SplatCluster& cluster, const LodView& view) const {
   const SplatCluster& parent = tree_[cluster.parent];
   const float size = cluster.sized ? cluster.size : parent.inner_size,
@@ -185,7 +185,7 @@ float SplatCutter::key_of(const SplatCluster& cluster, const LodView& view) cons
   return std::isfinite(key) ? key : 0;
 }
 
-// Selects the clusters that the view needs, even clusters that are not decoded or not received yet. Sorts the clusters
+// Selects the clusters that the view needs, including those that are not yet decoded or received. Sorts the clusters
 // by size in the picture; a parent precedes its children.
 void SplatCutter::select(const LodView& view, const Viewport& last, std::uint16_t bit) {
   const bool same = last.last_cut != 0 && last.revision == chunks_.revision() && same_view(last.view, view);
@@ -287,7 +287,7 @@ void SplatCutter::choose(const LodView& view, Viewport& viewport, std::uint16_t 
     viewport.chosen.push_back(index);
     splats += gained(index);
   }
-  // Drops clusters from the end if estimates were too low. The last cluster has no chosen children.
+  // Drops clusters from the end if estimates were too low. The last cluster never has chosen children.
   while (splats > budget_of(view) && viewport.chosen.size() > 1) {
     const std::uint32_t last = viewport.chosen.back();
     splats -= gained(last);
@@ -300,7 +300,7 @@ void SplatCutter::choose(const LodView& view, Viewport& viewport, std::uint16_t 
         viewport.lacking.push_back({i, true});
 }
 
-// Moves the weights of clusters that enter or leave the cut. `before` are the clusters of the previous cut.
+// Updates the weights of clusters that enter or leave the cut. `before` has the clusters of the previous cut.
 void SplatCutter::fade(const LodView& view, Viewport& viewport, std::span<const std::uint32_t> before,
                        std::uint16_t bit, std::optional<double> time) {
   if (!time || viewport.last_cut == 0) {
@@ -312,7 +312,7 @@ void SplatCutter::fade(const LodView& view, Viewport& viewport, std::span<const 
   viewport.time = *time;
   const auto is_chosen = [&](std::uint32_t cluster) { return (tree_[cluster].marks.chosen_by & bit) != 0; };
   std::unordered_map<std::uint32_t, float>& fading = viewport.fading;
-  // A cluster that was not in the previous cut begins with the weight 0, and one that was with 1.
+  // Clusters that enter the cut start with the weight 0, and clusters that leave it with 1.
   std::unordered_set<std::uint32_t> known(before.begin(), before.end());
   for (const std::uint32_t cluster : before)
     if (!is_chosen(cluster)) fading.try_emplace(cluster, 1.0f);
@@ -334,7 +334,7 @@ void SplatCutter::fade(const LodView& view, Viewport& viewport, std::span<const 
                         one->first);
     ++one;
   }
-  // The smallest changes are immediate if there are too many. Children are smaller than their parents.
+  // If there are too many changes, the smallest ones are immediate. Children are smaller than their parents.
   std::size_t most = 0;
   for (const std::uint32_t cluster : viewport.chosen) most += tree_[cluster].splats;
   most = std::max(most / kFadingPart, kLeastFading);
@@ -359,7 +359,7 @@ std::vector<std::uint32_t> SplatCutter::drawn(const Viewport& viewport) const {
   return all;
 }
 
-// Makes the runs of Gaussians that no child replaces completely.
+// Makes runs of the Gaussians that children do not replace completely.
 void SplatCutter::make_runs(const LodView& view, Viewport& viewport) {
   const std::vector<std::uint32_t> all = drawn(viewport);
   cache_.add_harmonics(all);

@@ -20,7 +20,7 @@ namespace gs::qnv {
 struct SplatRun {
   std::shared_ptr<const Gaussians> splats;
   std::uint32_t first = 0, count = 0;
-  float presence = 1;  // share of the opacity; below 1 while other Gaussians fade in or out at this place
+  float presence = 1;  // share of the opacity; below 1 while other Gaussians fade in or out here
   friend bool operator==(const SplatRun&, const SplatRun&) = default;
 };
 
@@ -42,15 +42,15 @@ class SplatCutter {
   [[nodiscard]] bool pending() const { return pending_; }
   /// Reports whether Gaussians of the last cut fade in or out.
   [[nodiscard]] bool fading() const { return fading_; }
-  /// Returns the chunks that the last cuts of all viewports lacked: takes one per viewport in turn, without duplicates.
+  /// Returns the missing chunks of the last cuts of all viewports: one per viewport in turn, without duplicates.
   [[nodiscard]] std::vector<ChunkRange> lacking_for_all() const;
   [[nodiscard]] std::vector<LodView> views() const;
   [[nodiscard]] std::size_t decoded() const { return decoded_; }
 
  private:
-  /// Chunk that is not received.
+  /// Chunk that is not yet received.
   struct Lack {
-    std::uint32_t index = 0;  // of a cluster, or of a chunk of harmonics
+    std::uint32_t index = 0;  // index of a cluster or of a chunk of harmonics
     bool harmonics = false;
   };
   /// State of the last cut of one viewport.
@@ -58,11 +58,11 @@ class SplatCutter {
     LodView view;
     std::uint64_t last_cut = 0;  // number of the last cut; 0 means none yet
     std::uint64_t revision = 0;
-    bool complete = false;                            // the cut has all received clusters that the view requests
+    bool complete = false;                            // all selected clusters that are received are in the cut
     std::vector<std::uint32_t> chosen;                // parents before children
     std::unordered_map<std::uint32_t, float> fading;  // weights of clusters that fade in or out
-    double time = 0;                                  // of the last cut with a time
-    std::vector<Lack> lacking;                        // most wanted first
+    double time = 0;                                  // time of the last cut with a time
+    std::vector<Lack> lacking;                        // most important first
     std::vector<SplatRun> runs;
   };
   static constexpr std::size_t kViewports = 16;
@@ -88,8 +88,8 @@ class SplatCutter {
   std::uint64_t cuts_ = 0;
   std::array<Viewport, kViewports> viewports_;
 
-  // Results of the current cut; between two cuts, of the last cut.
-  std::vector<std::uint32_t> order_;  // requested clusters, most important first
+  // Results of the current or last cut.
+  std::vector<std::uint32_t> order_;  // selected clusters, most important first
   std::size_t decoded_ = 0;
   bool pending_ = false, fading_ = false;
 };

@@ -8,7 +8,7 @@
 namespace gs::qnv {
 namespace {
 
-// Viewport of overview(), which no window has.
+// Viewport number of overview(); no window uses it.
 constexpr std::uint32_t kOverviewViewport = 0xfffffffe;
 // Pixels of one unit of length for overview(): the budget alone limits the detail.
 constexpr float kClose = 1e12f;

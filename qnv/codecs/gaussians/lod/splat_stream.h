@@ -22,7 +22,7 @@ namespace gs::qnv {
 struct SplatLimits {
   std::size_t cache_bytes = std::size_t{5} << 26;    // decoded clusters that the last cuts do not need
   std::size_t cut_bytes = std::size_t{7} << 26;      // Gaussians of one cut, for any budget
-  std::size_t cut_splats = 2'500'000;                // the same, as their number
+  std::size_t cut_splats = 2'500'000;                // maximum Gaussians of one cut
   std::size_t arrived_bytes = std::size_t{1} << 30;  // received chunks of a stream that still grows
 };
 
@@ -36,7 +36,7 @@ struct SplatStatistics {
   std::size_t decoded = 0;  // approximate number of Gaussians that were decoded for the last cut
 };
 
-/// Decodes all received chunks of a stream, also while another thread draws the stream.
+/// Decoder of all received chunks of a stream. Works while another thread draws the stream.
 class WholeSplats {
  public:
   WholeSplats(StreamHeader header, std::vector<gaussians::SplatChunks::Received> chunks,
@@ -75,10 +75,10 @@ class SplatStream final : public ViewedStream {
   bool set_directory(std::span<const std::byte> chunks) override { return chunks_.set_directory(chunks); }
   bool add(std::uint64_t offset, std::span<const std::byte> chunk) override { return chunks_.add(offset, chunk); }
 
-  /// Returns the runs of Gaussians to draw. They cover everything in view exactly once. Omits clusters entirely outside
-  /// of the view. Valid until the next call.
+  /// Returns the runs of Gaussians to draw. They cover every part of the scene in view exactly once. Omits clusters
+  /// outside of the view. Valid until the next call.
   ///
-  /// With a `time`, in seconds of the viewport's clock, changes since the last cut of the viewport take a quarter of a
+  /// With a `time` (viewport's clock, in seconds), changes since the last cut of the viewport take a quarter of a
   /// second: the opacity of new Gaussians rises while that of the replaced ones falls. Without a time, changes
   /// are immediate.
   [[nodiscard]] const std::vector<SplatRun>& cut(const LodView& view, std::optional<double> time = {}) {
@@ -89,7 +89,7 @@ class SplatStream final : public ViewedStream {
   /// Reports whether Gaussians of the last cut fade in or out.
   [[nodiscard]] bool fading() const { return cutter_.fading(); }
 
-  /// Does nothing, because cut() notes its view.
+  /// Does nothing, because cut() records its view.
   void note(const LodView&) override {}
   void forget(std::uint32_t viewport) override { cutter_.forget(viewport); }
   [[nodiscard]] std::vector<LodView> views() const override { return cutter_.views(); }
@@ -98,7 +98,7 @@ class SplatStream final : public ViewedStream {
   [[nodiscard]] bool in_stream_order() const override { return false; }
   [[nodiscard]] std::vector<ChunkRange> wanted() const override { return cutter_.lacking_for_all(); }
 
-  /// Returns the received chunks, to decode all of them.
+  /// Returns a decoder of all received chunks.
   [[nodiscard]] WholeSplats whole() const { return {header(), chunks_.received(), chunks_.source()}; }
   /// Returns at most `most` Gaussians of the whole stream, without harmonics.
   [[nodiscard]] Gaussians overview(std::size_t most);

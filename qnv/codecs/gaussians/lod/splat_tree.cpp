@@ -5,7 +5,7 @@
 namespace gs::qnv::gaussians {
 namespace {
 
-constexpr std::uint32_t kTypicalBytes = 8;  // of a Gaussian
+constexpr std::uint32_t kTypicalBytes = 8;  // per Gaussian
 
 }  // namespace
 
@@ -44,7 +44,7 @@ void SplatTree::link(std::uint32_t cluster, std::uint32_t parent_id) {
 }
 
 void SplatTree::attach(std::uint32_t cluster, std::uint32_t parent) {
-  // Levels that rise by one exclude cycles.
+  // Requiring that levels rise by one excludes cycles.
   if (clusters_[cluster].level != clusters_[parent].level + 1) {
     clusters_[cluster].broken = true;
     return;
@@ -155,7 +155,7 @@ std::uint32_t SplatTree::arrive(const ClusterHead& head, std::uint64_t offset, s
 }
 
 bool SplatTree::arrive(const HarmonicsHead& head, std::uint64_t offset, std::uint32_t bytes) {
-  // The harmonics of a cluster that is never received stay unused.
+  // Creates the cluster if necessary. Harmonics stay unused if the cluster is never received.
   const std::uint32_t index = make(head.cluster);
   for (std::uint32_t i = clusters_[index].harmonics; i != kNoCluster; i = harmonics_[i].next)
     if (harmonics_[i].offset == offset && harmonics_[i].present) return false;

@@ -41,17 +41,17 @@ struct SplatCluster {
   std::uint32_t id = 0;
   std::uint32_t splats = 0;                          // number of Gaussians; claimed or estimated until decoded
   std::uint32_t arrival = 0;                         // serial number of reception
-  std::uint16_t first = 0, count = 0;                // covered Gaussians of the parent; count 0 until the head is read
+  std::uint16_t first = 0, count = 0;                // range of the parent's Gaussians; count 0 until the head is read
   std::uint16_t replaced_from = 0, replaced_to = 0;  // its range of the parent's inner Gaussians; set if `sized`
   std::uint8_t level = 0;
   bool present = false;                   // its chunk is received
   bool known = false;                     // it was decoded and is valid
   bool broken = false;                    // neither it nor its descendants can be drawn
   bool boxed = false;                     // `box` is known
-  bool sized = false;                     // `size` and `reach` are those of the Gaussians that it replaces
+  bool sized = false;                     // `size` and `reach` are known
   float size = 0;                         // largest deviation of the replaced Gaussians, times the root of the opacity
   float reach = 0;                        // their largest deviation
-  float inner_size = 0, inner_reach = 0;  // the same of its own inner Gaussians, after decoding
+  float inner_size = 0, inner_reach = 0;  // maxima for its own inner Gaussians, after decoding
   SplatMarks marks;
   Box box;  // bounds of its Gaussians and of those of its descendants
 };
@@ -60,8 +60,8 @@ struct SplatCluster {
 /// untrusted: rejects contradictions, or marks clusters as `broken`. One thread at a time.
 class SplatTree {
  public:
-  /// Adds the directory of a stream. `all_present` means that all chunks can be read. Clusters have their identifiers
-  /// in the order of the entries. Returns the number of invalid entries.
+  /// Adds the directory of a stream. `all_present` means that all chunks can be read. Cluster entries have the
+  /// identifiers 0, 1, 2, ... in order. Returns the number of invalid entries.
   std::size_t add_directory(std::span<const DirectoryEntry> entries, std::uint64_t stream_bytes, bool all_present);
   /// Adds the cluster of a received chunk. Returns its index, or kNoCluster if it contradicts others; `why` then has
   /// the reason.
@@ -82,7 +82,7 @@ class SplatTree {
 
  private:
   std::uint32_t make(std::uint32_t id);
-  /// Sets the place and the level of a cluster, and links it with its parent and its children.
+  /// Sets the offset and the level of a cluster, and links it with its parent and its children.
   void describe(std::uint32_t cluster, std::uint64_t offset, std::uint32_t bytes, std::uint8_t level,
                 std::uint32_t parent_id);
   void link(std::uint32_t cluster, std::uint32_t parent_id);

@@ -128,7 +128,7 @@ bool append_mesh(const TriangleSource& source, const SurfaceSurvey& s, const Enc
   return true;
 }
 
-/// Returns the voxels of a surface at a level. Ranks cut their shares of the triangles. Rank 0 gets the voxels.
+/// Returns the voxels of a surface at a level on rank 0, else an empty list. Ranks share the triangles.
 std::variant<std::vector<Voxel>, EncodeError> cut_voxels(EncodeRanks& shared, const TriangleSource& source,
                                                          const SurfaceSurvey& s, const Cube& cube, int level,
                                                          unsigned threads, Progress* progress) {

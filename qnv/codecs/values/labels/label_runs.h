@@ -56,13 +56,13 @@ class LabelCubes {
   [[nodiscard]] virtual CubeLabels cube(const Extent& cube) = 0;
 };
 
-/// Codes of a segment of a level. Encoders end runs at the ends of segments, so that threads and processes can encode
-/// them apart.
+/// Number of codes in a segment of a level. Encoders end runs at the ends of segments, so that threads and processes
+/// can encode segments independently.
 inline constexpr std::uint64_t kSegmentCodes = std::uint64_t{1} << 16;
 
 /// Encodes a segment of a level. `count` is the number of labels in the palette. `before` is the level in the previous
-/// step. Keeps cubes that equal those of `before`, and omits runs with kept cubes only. Passes the runs to `take`, in
-/// order, until it returns false.
+/// step. Keeps cubes that equal those of `before`, and omits runs of kept cubes only. Passes the runs in order to
+/// `take`, until it returns false.
 void encode_label_runs(LabelCubes& level_labels, const CubeOrder& order, std::uint64_t segment, std::uint32_t count,
                        int level, const std::function<bool(LabelRun&&)>& take, LabelCubes* before = nullptr);
 

@@ -110,7 +110,7 @@ TEST_CASE("refines the parts of streamed SOG that are in view, nearest first, wi
   REQUIRE(steps.steps.size() == 2);
   CHECK(steps.steps[0].run == 1);
   CHECK(steps.steps[1].run == 0);
-  // Without its file, a level is passed over.
+  // A level without a readable file is skipped.
   std::vector<bool> broken = readable;
   broken[0] = true;
   CHECK(sog_runs_in_view(levels, broken, std::vector{near}, glm::dvec3(0), 100'000).choice == SogChoice{1, 2});

@@ -79,7 +79,7 @@ TEST_CASE("in situ shelf: requests wait for the chunks of other ranks, the coars
   CHECK(test.shelf.take_wanted(8).empty());  // the ranks already send it
   test.shelf.deliver(wanted[1], std::vector<float>(64 * 64 * 64, 2));
   CHECK(test.state("a.zarr/0/c.0.0.1") == State::ready);
-  test.shelf.deliver({99, {0, {0, 0, 0}}}, {1});  // of a step that was dropped
+  test.shelf.deliver({99, {0, {0, 0, 0}}}, {1});  // for a step that was dropped
 }
 
 TEST_CASE("in situ shelf: the two newest steps are kept") {

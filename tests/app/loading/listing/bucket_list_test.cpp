@@ -40,7 +40,7 @@ class Store {
     resource.bytes = test::bytes_of(text);
     network->put("memory://store/bucket/" + key, std::move(resource));
   }
-  /// Offers the list of a prefix, page by page.
+  /// Serves the list of a prefix, page by page.
   void list(const std::string& prefix, bool folders) {
     std::vector<std::string> entries;
     std::set<std::string> seen;

@@ -101,7 +101,7 @@ TEST_CASE("Gaussians in parts survive a stream") {
     REQUIRE(back.size() == 6000);
     CHECK(back.degree == degree);
     CHECK(opacity_area(back) == Approx(opacity_area(shown_by(parted(source, 6000).bytes))).epsilon(0.01));
-    // Each has its neighbour in the source.
+    // Each decoded Gaussian is close to one of the source.
     for (std::size_t i = 0; i < back.size(); i += 37) {
       float least = 1;
       for (const glm::vec3& p : source.positions) least = std::min(least, glm::distance(p, back.positions[i]));
@@ -148,7 +148,7 @@ TEST_CASE("a stream of Gaussians in parts does not depend on threads, memory and
   CHECK(std::get<EncodedStream>(encoded).written == one.bytes.size());
   CHECK(bytes == one.bytes);
   CHECK(pieces.reads == 2);
-  // Few Gaussians have a common tree, whether they come in pieces or not.
+  // Few Gaussians get one tree, with or without pieces.
   options = {};
   const auto small = encode_gaussians(pieces.source(), options);
   const auto whole = encode_gaussians(source, options);
@@ -178,7 +178,7 @@ TEST_CASE("Gaussians in parts report a full disk, broken numbers and cancellatio
   MemoryStore enough;
   options.spill = &enough;
   REQUIRE(std::holds_alternative<EncodedStream>(encode_gaussians(source, options)));
-  // The first limit stops the parts of the source, the others the trees and the clusters.
+  // The first limit fails while parts are stored, the others at trees and clusters.
   for (const std::size_t most : {std::size_t{10'000}, std::size_t{170'000}, std::size_t{enough.size()} - 1}) {
     FullStore store(most);
     options.spill = &store;

@@ -79,7 +79,7 @@ VolumeSource integers(std::uint32_t nx, std::uint32_t ny, std::uint32_t nz) {
   return test::volume_of(layout, std::move(voxels));
 }
 
-/// Returns labels: balls of many kinds in 0. The numbers of kinds differ between the first and the last slices.
+/// Returns labels: balls of many kinds in 0. The labels differ between the first and the last slices.
 VolumeSource labels(std::uint32_t nx, std::uint32_t ny, std::uint32_t nz, std::uint32_t shift = 0) {
   VolumeLayout layout = layout_of(nx, ny, nz);
   layout.type = VoxelType::u16;

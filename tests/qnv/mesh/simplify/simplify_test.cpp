@@ -95,7 +95,7 @@ TEST_CASE("simplifies the parts of a mesh with any number of ranks") {
   const SurfaceMesh alone = thinned(mesh, 200, 8, 1);
   for (const std::uint32_t count : {2u, 3u, 11u}) {
     std::vector<std::vector<std::byte>> parts(count);
-    // Other ranks go first, so that rank 0 finds their parts.
+    // Runs the other ranks first, so that rank 0 finds their parts.
     for (std::uint32_t rank = count; rank-- > 0;) {
       const SimplifyRanks ranks{rank, count, [&](std::span<const std::byte> own) {
                                   parts[rank].assign(own.begin(), own.end());

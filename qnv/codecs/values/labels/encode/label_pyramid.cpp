@@ -48,7 +48,7 @@ class CodeReader {
     return good();
   }
   [[nodiscard]] bool good() const { return whole_ && (least_ >= 0 || most_ < 2147483648.0); }
-  /// Takes over the range of the numbers of all ranks. Collective.
+  /// Replaces the range of the numbers by that of all ranks. Collective.
   void join(Ranks& ranks) {
     const std::array<double, 2> own{least_, most_};
     const auto all = gather_records(ranks, std::span<const double>(own));

@@ -25,7 +25,7 @@ struct LabelPyramid {
 };
 
 /// Reads label volumes slice by slice. Each rank reads some layers of the volume and of each coarser level; all get the
-/// result. A coarse label is the most frequent of eight. Of equally frequent ones,
+/// result. A coarse label is the most frequent of eight. Among equally frequent ones,
 /// the rarest in all volumes wins, so that thin sheets remain. All steps must have the layout of the first
 /// one. Returns an error if a source or the store fails, if a number has a fraction, on too many voxels or labels,
 /// or if cancelled. Needs memory for about three slices of 4 bytes per voxel, and 24 bytes for each label. `store` must

@@ -27,7 +27,7 @@ namespace {
 using values::Extent;
 using Runs = std::vector<values::StoredLabelRun>;
 
-/// Encodes the runs of all levels of all steps. Ranks encode some segments each.
+/// Encoder of the runs of all levels of all steps. Each rank encodes some segments.
 class PyramidEncoder {
  public:
   PyramidEncoder(const values::LabelPyramid& pyramid, values::SharedStore& store, Ranks& ranks, unsigned threads,
@@ -37,7 +37,7 @@ class PyramidEncoder {
     sums_.assign(orders_.size(), 0);
   }
 
-  /// Returns the runs in the order of the stream, or an error of a rank. Collective.
+  /// Returns the runs of all ranks in the order of the stream, or the error of a rank. Collective.
   std::variant<Runs, EncodeError> encode() {
     const std::size_t levels = orders_.size(), steps = pyramid_.steps.size();
     std::vector<Segment> segments;
@@ -86,7 +86,7 @@ class PyramidEncoder {
  private:
   struct Segment {
     std::size_t step, level;
-    std::uint64_t number;  // in its level
+    std::uint64_t number;  // index in its level
   };
 
   [[nodiscard]] std::optional<EncodeError> failure() const {
@@ -95,7 +95,7 @@ class PyramidEncoder {
     return std::nullopt;
   }
 
-  // Encodes a segment. Cubes are kept from the step before if that takes fewer bytes.
+  // Encodes a segment. Keeps equal cubes of the previous step if that takes fewer bytes.
   Runs runs_of(const Segment& segment) {
     Runs runs = runs_of(segment, nullptr);
     if (segment.step % kChainSteps == 0) return runs;

@@ -163,14 +163,14 @@ class UseCounter {
   std::vector<std::int64_t> sums_, level_sums_;
 };
 
-/// Voxels that a run or a level corrects, as counted by a rank.
+/// Number of voxels that a run or a level corrects, as counted by one rank.
 struct CountedUse {
-  std::uint64_t index = 0;  // of the run in its level, or of the sum of the level
+  std::uint64_t index = 0;  // index of the run in its level; unused for the sum of a level
   std::int64_t voxels = 0;
   std::uint32_t level = 0, of_level = 0;
 };
 
-// Adds the counts of other ranks to those of this rank.
+// Adds the counts of all ranks.
 void join_counts(Ranks& ranks, std::span<std::vector<StoredLabelRun>> runs, std::span<const std::int64_t> counted,
                  std::span<std::int64_t> sums) {
   std::vector<CountedUse> own;

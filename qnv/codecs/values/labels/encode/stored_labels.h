@@ -30,7 +30,7 @@ class SharedStore {
   [[nodiscard]] std::optional<std::uint64_t> append(std::span<const std::byte> bytes);
   [[nodiscard]] bool read(std::uint64_t offset, std::span<std::byte> to) const;
   [[nodiscard]] std::string problem() const;
-  /// Makes the added bytes readable for other processes.
+  /// Makes the added bytes readable to other processes.
   void publish();
   /// Reports whether one of the calls failed.
   [[nodiscard]] bool failed() const { return failed_; }
@@ -68,7 +68,7 @@ class StoredLabels {
   [[nodiscard]] static Packed pack(std::span<const std::uint32_t> labels);
   /// Adds the next piece, x first. Returns false if it cannot be stored.
   [[nodiscard]] bool append(const Packed& piece);
-  /// Joins the pieces that the ranks added, in the order of the ranks. They have a common store. Collective.
+  /// Joins the pieces that the ranks added to their common store, in the order of the ranks. Collective.
   void join(Ranks& ranks) { places_ = gather_records(ranks, std::span<const Place>(places_)); }
 
   /// Returns the label of a piece with equal labels; nullopt for other pieces.

@@ -94,7 +94,7 @@ TEST_CASE("thins a surface equally if its triangles come in another order") {
 }
 
 TEST_CASE("thins rough and folded surfaces to nearly the requested triangles") {
-  // A ball of dust has far more area than a smooth surface of its cells.
+  // A ball of dust has far more area than a smooth surface through its cells.
   const Triangles dust = random_triangles(60'000, 0.02f, 3);
   const ThinnedSurface surface = thinned(dust, 5'000);
   CHECK(surface.triangles.size() <= 5'000);

@@ -43,7 +43,7 @@ Gaussians decoded(std::span<const std::byte> bytes) {
   return std::move(*geometry.as<Gaussians>());
 }
 
-/// Gaussian as numbers that can be sorted.
+/// Numbers of a Gaussian, for sorting.
 using Numbers = std::array<float, 10>;
 
 std::vector<Numbers> sorted_numbers(const Gaussians& all) {
@@ -58,7 +58,7 @@ std::vector<Numbers> sorted_numbers(const Gaussians& all) {
   return numbers;
 }
 
-/// Returns the Gaussians of a cut. All must be entirely there.
+/// Returns the Gaussians of a cut. Requires that none fades.
 Gaussians gathered(const std::vector<SplatRun>& runs) {
   Gaussians all;
   for (const SplatRun& run : runs) all.degree = std::max(all.degree, run.splats->degree);
@@ -91,7 +91,7 @@ double opacity_area(const Gaussians& all) {
   return sum;
 }
 
-/// Returns a view without edges from the distance `away`.
+/// Returns an unbounded view from the distance `away`.
 LodView view_from(float away, std::uint32_t viewport = 0) {
   LodView view;
   view.eye = {0, 0, away};
@@ -106,7 +106,7 @@ LodView closest_view() {
   return view;
 }
 
-/// Source that counts the bytes that are read.
+/// Source that counts the bytes read from it.
 class CountingSource final : public ChunkSource {
  public:
   explicit CountingSource(Bytes bytes) : bytes_(memory_source(std::move(bytes))) {}
@@ -224,7 +224,7 @@ TEST_CASE("cuts of Gaussians are the same with little memory") {
   }
   const SplatStatistics kept = ample->statistics(), freed = tight->statistics();
   CHECK(freed.cached_bytes < kept.cached_bytes / 2);
-  // A far view needs little, so the memory falls below the limit.
+  // A distant view needs few clusters, so the memory falls below the limit.
   (void)tight->cut(view_from(1000));
   CHECK(tight->statistics().cached_bytes <= limits.cache_bytes);
   limits.cut_bytes = 500 * bytes_of_splat(1);
@@ -296,7 +296,7 @@ TEST_CASE("coarse Gaussians of a cut have the harmonics that were received") {
     coarse = coarse || (expected.degree == 2 && expected.size() < 6000);
     const Stream splats = opened(SplatStream::open(part));
     CHECK(sorted_numbers(gathered(splats->cut(closest_view()))) == sorted_numbers(expected));
-    // Chunks one by one, with cuts between them.
+    // Adds the chunks one by one, with cuts between them.
     const Stream growing = opened(SplatStream::begin(part.first(1000)));
     for (std::size_t at = 1000; at < part.size(); at += 4000) {
       growing->push(part.subspan(at, std::min<std::size_t>(4000, part.size() - at)));
