@@ -9,7 +9,6 @@
 #include <deque>
 #include <exception>
 #include <mutex>
-#include <system_error>
 #include <thread>
 
 namespace gs {
@@ -54,8 +53,8 @@ class Helpers : NonCopyable {
     for (; idle_ + starting_ < wanted_ && threads_ < most; ++threads_, ++starting_) {
       try {
         std::thread([this] { help(); }).detach();
-      } catch (const std::system_error&) {
-        break;  // the system allows no more threads
+      } catch (const std::exception&) {
+        break;  // the system allows no more threads, or lacks memory for them; the loop must be withdrawn all the same
       }
     }
     if (count == 1)

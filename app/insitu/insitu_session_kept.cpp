@@ -28,9 +28,8 @@ StepPlan InSituSession::make_plan(std::span<const RankFacts> all) {
   constexpr double kErrorOfCodes = 1e-4;
   wishes.kept_bytes = options_.error > 0 || options_.relative_error < kErrorOfCodes ? sizeof(float) : 2;
   wishes.serial = serial_ + 1;
-  const std::uint64_t most =
-      options_.thin && !wishes.keep ? pace_.affordable_bytes(steps_ - 1, now(), own()) : UINT64_MAX;
-  wishes.max_memory = std::min(options_.max_memory, most);
+  if (options_.thin) wishes.max_collected = pace_.affordable_bytes(steps_ - 1, now(), own());
+  wishes.max_memory = options_.max_memory;
   wishes.max_records = options_.max_memory;
   return plan_step(all, wishes);
 }

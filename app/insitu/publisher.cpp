@@ -112,7 +112,11 @@ std::variant<std::unique_ptr<Publisher>, std::string> Publisher::start(Publisher
 Publisher::~Publisher() {
   server_.reset();
   if (!token_file_.empty()) (void)::unlink(token_file_.c_str());
-  if (has_live_file_) (void)::unlink(options_.live_file.c_str());
+  if (!has_live_file_) return;
+  // A later run may have replaced the file.
+  const auto file = net::read_live_file(options_.live_file);
+  if (const auto* const own = std::get_if<net::LiveFile>(&file); own && own->token == token_)
+    (void)::unlink(options_.live_file.c_str());
 }
 
 std::optional<std::string> Publisher::start_server() {
@@ -283,7 +287,9 @@ std::optional<std::string> Publisher::publish(std::int64_t step, double time, st
 void Publisher::drop_old() {
   std::uint64_t bytes = 0;
   for (const Kept& kept : kept_) bytes += kept.bytes;
-  while (kept_.size() > kMinKeptSteps && (!options_.folder.empty() || bytes > kMaxKeptBytes)) {
+  // Steps without files are on the shelf only.
+  while (kept_.size() > kMinKeptSteps &&
+         (!options_.folder.empty() || bytes > kMaxKeptBytes || kept_.front().bytes == 0)) {
     bytes -= kept_.front().bytes;
     if (options_.folder.empty()) remove_files(kept_.front());
     kept_.pop_front();

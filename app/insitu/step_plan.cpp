@@ -79,7 +79,9 @@ void plan_grid(std::span<const RankFacts> ranks, const PlanWishes& wishes, StepP
       plan.kept_thinning *= 2;
     return;
   }
-  while (grid_bytes(plan) > wishes.max_memory && plan.thinning < kMaxThinning) plan.thinning *= 2;
+  const bool small = wishes.keep && points_of_grid(plan) <= kMaxCollectedPoints;
+  const std::uint64_t most = small ? wishes.max_memory : std::min(wishes.max_memory, wishes.max_collected);
+  while (grid_bytes(plan) > most && plan.thinning < kMaxThinning) plan.thinning *= 2;
 }
 
 }  // namespace

@@ -77,13 +77,14 @@ struct StepPlan {
 
 /// Options of rank 0 for plan_step().
 struct PlanWishes {
-  bool all_fields = false;                 // true for all fields of grids, false for `field` only
-  std::string field;                       // empty or unknown means the first field
-  std::uint64_t max_memory = 0;            // for grids
-  std::uint64_t max_records = UINT64_MAX;  // bytes of the triangles of cells, or of particles
-  bool keep = false;                       // ranks keep a large grid for requests instead of sending it
-  double kept_bytes = 2;                   // bytes of memory for a kept value
-  std::uint64_t serial = 0;                // for StepPlan::serial
+  bool all_fields = false;                   // true for all fields of grids, false for `field` only
+  std::string field;                         // empty or unknown means the first field
+  std::uint64_t max_memory = 0;              // for grids
+  std::uint64_t max_collected = UINT64_MAX;  // for grids that rank 0 collects, except small ones if `keep` is set
+  std::uint64_t max_records = UINT64_MAX;    // bytes of the triangles of cells, or of particles
+  bool keep = false;                         // lets ranks keep a large grid for requests, instead of sending it
+  double kept_bytes = 2;                     // memory of a kept value
+  std::uint64_t serial = 0;                  // for StepPlan::serial
 };
 /// Maximum number of points of a grid that rank 0 collects although PlanWishes::keep is set. Encoding such a grid takes
 /// no longer than answering requests.

@@ -17,8 +17,9 @@ using RelayClock = std::chrono::steady_clock;
 
 constexpr std::uint64_t kMostRelayedBytes = std::uint64_t{256} << 20;
 constexpr std::size_t kMostRelayed = 64;
-// Time for which a received resource stays cached: streams and chunks never change, other resources do.
-constexpr std::chrono::milliseconds kKeptSteady{10'000}, kKeptChanging{200};
+// Time for which a received resource is kept: streams and chunks never change, others do. Above the limits, all are
+// kept for a short time only, which suffices for the requests that wait for them.
+constexpr std::chrono::milliseconds kKeptSteady{10'000}, kKeptChanging{200}, kKeptAboveLimits{500};
 
 bool is_steady(const std::string& resource) {
   return resource.ends_with(".qnv") || resource.find(".zarr/") != std::string::npos;
@@ -62,7 +63,7 @@ net::HeldContent LiveRelay::content(const net::ContentRequest& request) {
   if (!path) return {};
   // Serves only documents that may read no more than the resources below a file of a simulation.
   if (!request.within.empty() && !live_path(request.within)) return {};
-  drop_old();
+  keep_recent();
   const auto found = pending_.find(request.path);
   if (found == pending_.end()) {
     if (pending_.size() >= kMostRelayed) return {State::waiting, {}, {}};
@@ -79,21 +80,31 @@ net::HeldContent LiveRelay::content(const net::ContentRequest& request) {
     });
     return {State::waiting, {}, {}};
   }
-  Pending& pending = found->second;
-  if (!pending.body) {
-    if (pending.coming.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return {State::waiting, {}, {}};
-    SmallAnswer answer = pending.coming.get();
-    pending.body = answer.problem.empty() ? std::move(answer.body) : std::string();
-    pending.until =
-        RelayClock::now() + (is_steady(path->resource) && !pending.body->empty() ? kKeptSteady : kKeptChanging);
-  }
+  const Pending& pending = found->second;
+  if (!pending.body) return {State::waiting, {}, {}};
   if (pending.body->empty()) return {};
   return {State::ready, relayed_type(path->resource), *pending.body};
 }
 
-void LiveRelay::drop_old() {
+// Receives finished answers, also those that nobody waits for any more. Drops old ones.
+void LiveRelay::keep_recent() {
   const auto now = RelayClock::now();
-  std::erase_if(pending_, [now](const auto& one) { return one.second.body && now > one.second.until; });
+  std::uint64_t bytes = 0;
+  for (auto& [path, one] : pending_) {
+    if (!one.body && one.coming.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+      SmallAnswer answer = one.coming.get();
+      one.body = answer.problem.empty() ? std::move(answer.body) : std::string();
+      const bool steady = !one.body->empty() && is_steady(live_path(path)->resource);
+      one.came = now;
+      one.kept = steady ? kKeptSteady : kKeptChanging;
+    }
+    bytes += one.body ? one.body->size() : 0;
+  }
+  const bool full = pending_.size() >= kMostRelayed || bytes > kMostRelayedBytes;
+  std::erase_if(pending_, [&](const auto& one) {
+    return one.second.body &&
+           now - one.second.came > (full ? std::min(one.second.kept, kKeptAboveLimits) : one.second.kept);
+  });
 }
 
 net::PostAnswer LiveRelay::post(const net::PostRequest& request) {

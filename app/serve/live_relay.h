@@ -9,6 +9,7 @@
 #include <functional>
 #include <future>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -33,9 +34,10 @@ class LiveRelay : NonCopyable {
   struct Pending {
     std::future<SmallAnswer> coming;
     std::optional<std::string> body;  // nullopt until the answer was received; empty after a failure
-    std::chrono::steady_clock::time_point until{};
+    std::chrono::steady_clock::time_point came{};
+    std::chrono::milliseconds kept{};
   };
-  void drop_old();
+  void keep_recent();
 
   const std::function<void()> wake_;
   const LoadOptions load_;

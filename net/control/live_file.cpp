@@ -79,9 +79,10 @@ std::variant<LiveFile, std::string> read_live_file(const std::string& path) {
 
 std::string address_of_live(const LiveFile& file, const std::string& here) {
   const std::string port = ":" + std::to_string(file.port);
-  if (file.host == here) return (is_loopback_text(file.bind) || file.bind == "*" ? "127.0.0.1" : file.bind) + port;
-  if (is_loopback_text(file.bind)) return {};
-  return (file.bind == "*" ? file.host : file.bind) + port;
+  if (file.bind == "*") return (file.host == here ? "127.0.0.1" : file.host) + port;
+  if (is_loopback_text(file.bind) && file.host != here) return {};
+  const bool six = file.bind.find(':') != std::string::npos;
+  return (six ? "[" + file.bind + "]" : file.bind) + port;
 }
 
 std::string name_of_machine() {

@@ -104,6 +104,7 @@ void SplatLevels::choose() {
   target_ = std::move(refined.choice);
   drop_unwanted();
   wanted_.clear();
+  at_.assign(unreadable_.size(), std::nullopt);
   for (std::uint32_t leaf = 0; leaf < base_.size(); ++leaf) {
     const auto held = pieces_.lower_bound({leaf, 0});
     const bool has_any = held != pieces_.end() && held->first.first == leaf;
@@ -115,6 +116,7 @@ void SplatLevels::choose() {
     return splats;
   };
   std::ranges::stable_sort(wanted_, std::ranges::greater{}, splats_of);
+  for (std::size_t i = 0; i < wanted_.size(); ++i) at_[wanted_[i].file] = i;
   for (const SogStep& step : refined.steps)
     if (step.run == target_[step.leaf] || is_between(step)) add_wanted(step.leaf, step.run);
   // Requests the missing coarsest runs last, so that parts that leave the view need no further file.
@@ -144,11 +146,11 @@ void SplatLevels::add_wanted(std::uint32_t leaf, std::uint8_t run) {
   const Key key{leaf, run};
   if (pieces_.contains(key)) return;
   const std::uint32_t file = run_of(key).file;
-  const auto known = std::ranges::find(wanted_, file, &Wanted::file);
-  if (known == wanted_.end())
-    wanted_.push_back({file, {key}});
-  else if (std::ranges::find(known->keys, key) == known->keys.end())
-    known->keys.push_back(key);
+  if (!at_[file]) {
+    at_[file] = wanted_.size();
+    wanted_.push_back({file, {}});
+  }
+  wanted_[*at_[file]].keys.insert(key);
 }
 
 // Drops runs that are neither coarsest nor wanted, if there are too many.
@@ -312,7 +314,7 @@ std::optional<std::string> SplatLevels::decode(std::uint32_t file, const Files& 
   const ImportSource source{std::as_bytes(std::span(text)), source_.path, read, loading_.budget, problems};
   Asset asset = read_confined(*source_.type, source);
   auto* const splats = std::get_if<qnv::Gaussians>(&asset);
-  const std::vector<Key> keys = wanted->keys;
+  const std::vector<Key> keys(wanted->keys.begin(), wanted->keys.end());
   const auto counts = splats ? part_counts(*splats) : std::vector<std::size_t>();
   std::size_t total = 0;
   for (const std::size_t count : counts)

@@ -71,7 +71,7 @@ class SplatLevels final : public ViewedTransfer {
   /// File with runs to read.
   struct Wanted {
     std::uint32_t file = 0;
-    std::vector<Key> keys;
+    std::set<Key> keys;
   };
   /// SOG that is being received.
   struct Job {
@@ -117,7 +117,8 @@ class SplatLevels final : public ViewedTransfer {
   std::vector<bool> unreadable_;  // per file; the last one is the environment
   std::size_t failures_ = 0;
   SogChoice base_, target_;
-  std::vector<Wanted> wanted_;  // most wanted first
+  std::vector<Wanted> wanted_;                  // most wanted first
+  std::vector<std::optional<std::size_t>> at_;  // index in `wanted_` by file, while choose() makes the list
   std::vector<Job> jobs_;
   std::map<Key, Piece> pieces_;
   std::map<std::uint32_t, std::pair<Files, std::uint64_t>> files_;  // recent files, with the time of their last use

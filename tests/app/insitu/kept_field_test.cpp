@@ -138,7 +138,25 @@ TEST_CASE("in situ kept field: a large grid is kept, and thinned if the ranks la
   CHECK(plan_step(all, wishes).grid_fields == 1);
   facts.grid.whole = {0, 31, 0, 31, 0, 31};
   wishes.keep = true;
+  wishes.max_collected = 1000;
   CHECK(plan_step(std::vector<RankFacts>(1, facts), wishes).keeps == 0);
+  CHECK(plan_step(std::vector<RankFacts>(1, facts), wishes).thinning == 1);
+}
+
+TEST_CASE("in situ plan: vectors are not kept, and are thinned so that the share permits them") {
+  RankFacts facts;
+  facts.grid.whole = {0, 127, 0, 127, 0, 127};
+  facts.blocks.parts = facts.blocks.fields = 1;
+  facts.blocks.field[0].type = GS_INSITU_FLOAT32;
+  facts.blocks.field[0].components = 3;
+  PlanWishes wishes;
+  wishes.keep = true;
+  wishes.max_memory = 100'000'000;
+  const std::vector<RankFacts> all(1, facts);
+  CHECK(plan_step(all, wishes).keeps == 0);
+  CHECK(plan_step(all, wishes).thinning == 1);
+  wishes.max_collected = 4'000'000;
+  CHECK(plan_step(all, wishes).thinning == 2);
 }
 
 }  // namespace kept_field_test

@@ -230,6 +230,25 @@ TEST_CASE("in situ server: the token file and the temporary folder end with the 
   }
 }
 
+TEST_CASE("in situ server: a session leaves the live file of a later run") {
+  const ScratchFolder scratch;
+  const std::string live_file = scratch.path("run.live");
+  std::vector<std::string> token_files;
+  const auto open = [&] {
+    token_files.push_back(scratch.path("token" + std::to_string(token_files.size())));
+    gs_insitu_options options = plain_options();
+    options.serve = 1;
+    options.token_file = token_files.back().c_str();
+    options.live_file = live_file.c_str();
+    return opened(options);
+  };
+  Session first = open(), second = open();
+  first.reset();
+  CHECK(std::filesystem::exists(live_file));
+  second.reset();
+  CHECK_FALSE(std::filesystem::exists(live_file));
+}
+
 TEST_CASE("in situ server: names of fields cannot leave the folder or the world") {
   StepStream stream;
   stream.field = "../a \"b\"/c";

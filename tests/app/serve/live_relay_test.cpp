@@ -26,7 +26,7 @@ struct RelayedRun {
       return net::FolderPage{"model/vrml", "#VRML V2.0 utf8\n"};
     };
     options.content = [](const net::ContentRequest& request) -> net::HeldContent {
-      if (request.path != "heat 1.zarr/0/c.0.0.0") return {};
+      if (request.path != "heat 1.zarr/0/c.0.0.0" && !request.path.starts_with("many.zarr/")) return {};
       return {State::ready, "application/octet-stream", "chunk"};
     };
     options.post = [this](const net::PostRequest& request) {
@@ -80,6 +80,13 @@ TEST_CASE("ssh: the server of a simulation is relayed through the file that name
   // A document in the folder must not reach the servers that live files in that folder name.
   CHECK(run.get("/", run.folder.path("")).state == State::none);
   CHECK(run.relay.content({"home/none.live/", {}}).state == State::none);
+}
+
+TEST_CASE("ssh: requests that nobody waits for any more do not block others") {
+  RelayedRun run;
+  for (int i = 0; i < 64; ++i)
+    CHECK(run.relay.content({run.file.substr(1) + "/many.zarr/" + std::to_string(i), {}}).state == State::waiting);
+  CHECK(run.get("/heat 1.zarr/0/c.0.0.0").body == "chunk");
 }
 
 TEST_CASE("ssh: changes of parameters get the token of the file") {

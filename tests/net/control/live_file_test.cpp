@@ -61,6 +61,9 @@ TEST_CASE("a server on loopback is reached on its own machine only") {
   CHECK(address_of_live({"a", "*", 80, kToken}, "a") == "127.0.0.1:80");
   CHECK(address_of_live({"a", "*", 80, kToken}, "b") == "a:80");
   CHECK(address_of_live({"a", "10.0.0.7", 80, kToken}, "b") == "10.0.0.7:80");
+  CHECK(address_of_live({"a", "::1", 80, kToken}, "a") == "[::1]:80");
+  CHECK(address_of_live({"a", "::1", 80, kToken}, "b").empty());
+  CHECK(address_of_live({"a", "fd00::7", 80, kToken}, "b") == "[fd00::7]:80");
 }
 
 }  // namespace gs::net::live_file_test

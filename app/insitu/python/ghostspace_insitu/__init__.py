@@ -265,7 +265,7 @@ class Session:
 
     The keyword arguments are the members of gs_insitu_options (ghostspace/insitu.h): title, folder, serve, port, bind,
     token_file, field, error, relative_error, max_share, every, max_memory, threads, background, thin, live_file.
-    `comm` is a     communicator of mpi4py, `parameters` a list of Parameter, and `log` a function that receives messages.
+    `comm` is a communicator of mpi4py, `parameters` a list of Parameter, and `log` a function that receives messages.
     """
 
     def __init__(self, comm=None, parameters=(), log=None, **options):
