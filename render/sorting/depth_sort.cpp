@@ -129,8 +129,9 @@ DepthSorter::Likeness DepthSorter::likeness(std::span<const Seen> seen, std::spa
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const SortPart& part = parts[i];
     // Compare owners, not addresses: other vectors may have the same address.
-    if (seen[i].part.count != part.count || seen[i].part.first != part.first || seen[i].part.by_distance != part.by_distance ||
-        seen[i].vectors.owner_before(part.vectors) || part.vectors.owner_before(seen[i].vectors))
+    if (seen[i].part.count != part.count || seen[i].part.first != part.first ||
+        seen[i].part.by_distance != part.by_distance || seen[i].vectors.owner_before(part.vectors) ||
+        part.vectors.owner_before(seen[i].vectors))
       return Likeness::far;
     const Likeness own = part.by_distance ? distances_likeness(seen[i].part, part) : rows_likeness(seen[i].part, part);
     if (own == Likeness::far) return own;

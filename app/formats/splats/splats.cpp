@@ -120,7 +120,7 @@ void SplatModel::resize(std::size_t count) {
 
 std::optional<std::string> SplatModel::append(const SplatModel& part, std::size_t first, std::size_t count,
                                               const WorldBudget& budget) {
-  if (size() == 0) set_degree(part.harmonics);
+  if (size() == 0 && part.harmonics > harmonics) set_degree(part.harmonics);
   if (part.degree > degree) {
     const std::size_t before = qnv::harmonic_count(degree), after = qnv::harmonic_count(part.degree);
     if (!share.grow(2 * sizeof(glm::vec3) * (after - before) * size()))

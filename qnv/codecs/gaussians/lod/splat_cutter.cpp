@@ -283,6 +283,8 @@ void SplatCutter::choose(const LodView& view, Viewport& viewport, std::uint16_t 
       pending_ = true;
       continue;
     }
+    cache_.size_up(index);  // its parent may be decoded only since the selection
+    if (cluster.broken) continue;
     cluster.marks.chosen_by |= bit;
     viewport.chosen.push_back(index);
     splats += gained(index);

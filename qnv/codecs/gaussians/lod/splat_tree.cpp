@@ -5,7 +5,9 @@
 namespace gs::qnv::gaussians {
 namespace {
 
-constexpr std::uint32_t kTypicalBytes = 8;  // per Gaussian
+constexpr std::uint32_t kTypicalBytes = 8;  // of a Gaussian
+// Maximum number of chunks of harmonics of a cluster. Encoders need fewer, because they fill most chunks.
+constexpr std::uint16_t kMostHarmonics = 1024;
 
 }  // namespace
 
@@ -44,11 +46,12 @@ void SplatTree::link(std::uint32_t cluster, std::uint32_t parent_id) {
 }
 
 void SplatTree::attach(std::uint32_t cluster, std::uint32_t parent) {
-  // Requiring that levels rise by one excludes cycles.
-  if (clusters_[cluster].level != clusters_[parent].level + 1) {
+  // Levels that rise by one exclude cycles. Each child replaces other Gaussians, so there cannot be more children.
+  if (clusters_[cluster].level != clusters_[parent].level + 1 || clusters_[parent].children == kMostNodes) {
     clusters_[cluster].broken = true;
     return;
   }
+  ++clusters_[parent].children;
   clusters_[cluster].parent = parent;
   clusters_[cluster].next_sibling = clusters_[parent].first_child;
   clusters_[parent].first_child = cluster;
@@ -78,9 +81,8 @@ std::size_t SplatTree::add_directory(std::span<const DirectoryEntry> entries, st
                       entry.offset <= stream_bytes && entry.bytes <= stream_bytes - entry.offset;
     if (entry.vectors == 0) {
       const auto cluster = indices_.find(entry.parent);
-      if (fits && cluster != indices_.end())
-        add_harmonics(cluster->second, {entry.offset, entry.bytes, kNoCluster, all_present});
-      else
+      if (!fits || cluster == indices_.end() ||
+          !add_harmonics(cluster->second, {entry.offset, entry.bytes, kNoCluster, all_present}))
         ++invalid;
       continue;
     }
@@ -100,15 +102,19 @@ std::size_t SplatTree::add_directory(std::span<const DirectoryEntry> entries, st
   return invalid;
 }
 
-void SplatTree::add_harmonics(std::uint32_t cluster, const HarmonicsChunk& chunk) {
+// Returns false if the cluster has too many chunks.
+bool SplatTree::add_harmonics(std::uint32_t cluster, const HarmonicsChunk& chunk) {
   std::uint32_t* place = &clusters_[cluster].harmonics;
   for (; *place != kNoCluster; place = &harmonics_[*place].next)
     if (harmonics_[*place].offset == chunk.offset) {
       harmonics_[*place].present = harmonics_[*place].present || chunk.present;
-      return;
+      return true;
     }
+  if (clusters_[cluster].own_harmonics == kMostHarmonics) return false;
+  ++clusters_[cluster].own_harmonics;
   *place = static_cast<std::uint32_t>(harmonics_.size());
   harmonics_.push_back(chunk);
+  return true;
 }
 
 bool SplatTree::note_head(std::uint32_t index, const ClusterHead& head) {
@@ -159,8 +165,7 @@ bool SplatTree::arrive(const HarmonicsHead& head, std::uint64_t offset, std::uin
   const std::uint32_t index = make(head.cluster);
   for (std::uint32_t i = clusters_[index].harmonics; i != kNoCluster; i = harmonics_[i].next)
     if (harmonics_[i].offset == offset && harmonics_[i].present) return false;
-  add_harmonics(index, {offset, bytes, kNoCluster, true});
-  return true;
+  return add_harmonics(index, {offset, bytes, kNoCluster, true});
 }
 
 }  // namespace gs::qnv::gaussians

@@ -41,7 +41,8 @@ struct SplatCluster {
   std::uint32_t id = 0;
   std::uint32_t splats = 0;                          // number of Gaussians; claimed or estimated until decoded
   std::uint32_t arrival = 0;                         // serial number of reception
-  std::uint16_t first = 0, count = 0;                // range of the parent's Gaussians; count 0 until the head is read
+  std::uint16_t first = 0, count = 0;                // covered Gaussians of the parent; count 0 until the head is read
+  std::uint16_t children = 0, own_harmonics = 0;     // number of its children, and of its chunks of harmonics
   std::uint16_t replaced_from = 0, replaced_to = 0;  // its range of the parent's inner Gaussians; set if `sized`
   std::uint8_t level = 0;
   bool present = false;                   // its chunk is received
@@ -66,7 +67,7 @@ class SplatTree {
   /// Adds the cluster of a received chunk. Returns its index, or kNoCluster if it contradicts others; `why` then has
   /// the reason.
   std::uint32_t arrive(const ClusterHead& head, std::uint64_t offset, std::uint32_t bytes, std::string& why);
-  /// Adds a received chunk of harmonics. Returns false if it was received before.
+  /// Adds a received chunk of harmonics. Returns false if it was received before, or if the cluster has too many.
   bool arrive(const HarmonicsHead& head, std::uint64_t offset, std::uint32_t bytes);
   /// Notes the head of a cluster. Returns false and marks it as broken if the head contradicts the directory.
   bool note_head(std::uint32_t cluster, const ClusterHead& head);
@@ -87,7 +88,7 @@ class SplatTree {
                 std::uint32_t parent_id);
   void link(std::uint32_t cluster, std::uint32_t parent_id);
   void attach(std::uint32_t cluster, std::uint32_t parent);
-  void add_harmonics(std::uint32_t cluster, const HarmonicsChunk& chunk);
+  bool add_harmonics(std::uint32_t cluster, const HarmonicsChunk& chunk);
 
   std::vector<SplatCluster> clusters_;
   std::vector<HarmonicsChunk> harmonics_;

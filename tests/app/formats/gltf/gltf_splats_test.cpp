@@ -7,9 +7,11 @@
 #include <catch2/catch.hpp>
 
 #include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <string>
 #include <variant>
@@ -191,6 +193,31 @@ TEST_CASE("reads splats of a glTF that are compressed as SPZ, by the drafts of t
         CHECK(found.harmonics[3 * i + 2].x == Approx(-splats.harmonics[3 * i + 2].x).margin(0.01));
       }
     }
+}
+
+TEST_CASE("keeps the harmonics of splats after others in SPZ without harmonics") {
+  const auto spz = std::get<std::vector<std::byte>>(export_spz(cloud(0), {}));
+  const std::vector<std::byte> plain = glb_of(cloud(2));
+  std::uint32_t text_bytes = 0;
+  std::memcpy(&text_bytes, plain.data() + 12, sizeof text_bytes);
+  const auto* const text = reinterpret_cast<const char*>(plain.data() + 20);
+  nlohmann::json document = nlohmann::json::parse(text, text + text_bytes);
+  std::vector<std::byte> binary(plain.begin() + 28 + text_bytes, plain.end());
+  document["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", binary.size()}, {"byteLength", spz.size()}});
+  const nlohmann::json view{{"bufferView", document["bufferViews"].size() - 1}};
+  const nlohmann::json first = {{"mode", 0},
+                                {"attributes", nlohmann::json::object()},
+                                {"extensions", {{"KHR_spz_gaussian_splats_compression", view}}}};
+  nlohmann::json& primitives = document["meshes"][0]["primitives"];
+  primitives.insert(primitives.begin(), first);
+  binary.insert(binary.end(), spz.begin(), spz.end());
+  document["buffers"][0]["byteLength"] = binary.size();
+  const Read result = read(std::get<std::vector<std::byte>>(glb_file(document.dump(), binary)));
+  const qnv::Gaussians& found = result.gaussians();
+  REQUIRE(found.size() == 80);
+  REQUIRE(found.degree == 2);
+  CHECK(found.harmonics[8 * 39 + 4] == glm::vec3(0));
+  check_near(found.harmonics[8 * 79 + 4], cloud(2).harmonics[8 * 39 + 4]);
 }
 
 TEST_CASE("reads damaged SPZ within a glTF without faults") {

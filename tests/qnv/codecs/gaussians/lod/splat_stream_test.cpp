@@ -13,6 +13,7 @@
 #include <cmath>
 #include <memory>
 #include <random>
+#include <string>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -402,6 +403,22 @@ TEST_CASE("damaged streams of Gaussians give coarser cuts") {
     CHECK(count_of((*stream)->cut(closest_view())) <= 2000);
     CHECK((*stream)->whole().decode(100'000).size() <= 2000);
   }
+}
+
+TEST_CASE("clusters of Gaussians have limited numbers of children and of chunks of harmonics") {
+  gaussians::SplatTree tree;
+  std::string why;
+  std::uint64_t offset = 0;
+  const auto arrive = [&](const gaussians::ClusterHead& head) { return tree.arrive(head, offset++, 50, why); };
+  CHECK(arrive({}) == tree.root());
+  for (std::uint32_t id = 1; id <= gaussians::kMostNodes; ++id)
+    REQUIRE(arrive({id, 0, id - 1, 1, 1}) != gaussians::kNoCluster);
+  CHECK(why.empty());
+  CHECK(arrive({gaussians::kMostNodes + 1, 0, 0, 1, 1}) == gaussians::kNoCluster);
+  CHECK(why == "a cluster contradicts its parent");
+  for (std::uint32_t i = 0; i < 1024; ++i) REQUIRE(tree.arrive(gaussians::HarmonicsHead{5, i, 1}, offset++, 50));
+  CHECK_FALSE(tree.arrive(gaussians::HarmonicsHead{5, 1024, 1}, offset++, 50));
+  CHECK(tree.arrive(gaussians::HarmonicsHead{6, 0, 1}, offset++, 50));
 }
 
 TEST_CASE("an overview of Gaussians has their extent") {
