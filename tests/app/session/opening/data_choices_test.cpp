@@ -255,7 +255,7 @@ TEST_CASE("follows HDF5 that a program appends to with SWMR") {
       "        d[k] = np.arange(216).reshape(6, 6, 6) * (k + 1)\n"
       "        d.flush()\n"
       "        time.sleep(0.2)\n"
-      "    while not os.path.exists('stop') and time.time() < end: time.sleep(0.05)\n"
+      "    while os.path.exists('run.h5') and not os.path.exists('stop') and time.time() < end: time.sleep(0.05)\n"
       "    os._exit(0)\n"
       "os._exit(0)\n";
   if (!gs::test::run_python(folder, script)) return;
