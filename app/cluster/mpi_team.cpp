@@ -62,8 +62,8 @@ class MpiFile final : public TeamFile {
     // Overwrites the front after the first piece, which contains its preliminary bytes.
     if (!front_.empty() && !failed_) put(0, front_);
     // All ranks close the file, because closing waits for all.
-    if (MPI_File_sync(file_) != MPI_SUCCESS) fail("the file system refuses some bytes");
-    if (MPI_File_close(&file_) != MPI_SUCCESS) fail("the file system refuses some bytes");
+    if (MPI_File_sync(file_) != MPI_SUCCESS) fail("the file system did not store all bytes");
+    if (MPI_File_close(&file_) != MPI_SUCCESS) fail("the file system did not store all bytes");
     return first_failure();
   }
 

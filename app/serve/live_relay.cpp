@@ -123,7 +123,7 @@ net::PostAnswer LiveRelay::post(const net::PostRequest& request) {
   const auto& known = std::get<net::LiveFile>(file);
   net::Request wanted;
   wanted.url = url_of_live(known, path->resource);
-  if (wanted.url.empty()) return {404, "the simulation listens on another machine, for that machine only"};
+  if (wanted.url.empty()) return {404, "the simulation runs on another machine and accepts only local connections; set bind"};
   if (!request.query.empty()) wanted.url += "?" + request.query;
   wanted.post = true;
   wanted.authorization = "Bearer " + known.token;

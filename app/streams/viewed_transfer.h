@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/noncopyable.h"
-#include "net/load/load_types.h"
+#include "net/transfer/load_types.h"
 
 #include <cstdint>
 

@@ -58,7 +58,7 @@ std::optional<LiveFile> parse_live_file(std::string_view text) {
 std::optional<std::string> write_live_file(const std::string& path, const LiveFile& file) {
   struct stat about {};
   if (::lstat(path.c_str(), &about) == 0 && std::holds_alternative<std::string>(read_live_file(path)))
-    return path + " already exists and is no file of a simulation of this user; not overwritten";
+    return path + " already exists and is not a live file of this user; not overwritten";
   return write_private_file(path, std::string(kFirstLiveLine) + "\nhost " + file.host + "\nbind " + file.bind +
                                       "\nport " + std::to_string(file.port) + "\ntoken " + file.token + "\n");
 }

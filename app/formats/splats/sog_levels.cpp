@@ -72,7 +72,7 @@ class TreeReader {
       const Open here = open.back();
       open.pop_back();
       if (!here.node->is_object() || here.depth > kMostNesting)
-        return KeyProblem{"its tree is damaged; expected objects, at most 200 within each other", "tree"};
+        return KeyProblem{"its tree is damaged; expected objects, nested at most 200 deep", "tree"};
       Box box = box_of(*here.node);
       if (box.empty()) box = here.box;
       if (const auto lods = here.node->find("lods"); lods != here.node->end() && lods->is_object()) {
@@ -119,13 +119,13 @@ class TreeReader {
 MaybeProblem read_levels(const LevelsJson& meta, SogLevels& levels) {
   const auto version = meta.find("version");
   if (version != meta.end() && (!version->is_number() || version->get<double>() > 1))
-    return KeyProblem{"its version is not known; expected 1", "version"};
+    return KeyProblem{"its version is not supported; expected 1", "version"};
   const auto files = meta.find("filenames");
   if (files == meta.end() || !files->is_array() || files->size() > kMostSogFiles)
     return KeyProblem{"it names no files; expected \"filenames\" with the meta.json of each SOG", "filenames"};
   for (const LevelsJson& file : *files) {
     if (!file.is_string() || !is_inner_path(file.get<std::string>()))
-      return KeyProblem{"it names a file that is not in its folder or below", "filenames"};
+      return KeyProblem{"it names a file outside of its folder", "filenames"};
     levels.files.push_back(file.get<std::string>());
   }
   if (const auto environment = meta.find("environment"); environment != meta.end() && environment->is_string())

@@ -73,7 +73,7 @@ FolderResult choose_in_folder(std::span<const std::string> names, const std::opt
     return choice;
   }
   if (others.empty())
-    return "a folder with " + std::to_string(names.size()) + " files, of which none has a known format";
+    return "a folder with " + std::to_string(names.size()) + " files; none has a known format";
   return "a folder with " + std::to_string(names.size()) + " files; open one of them, such as " +
          shortened(*others.front(), 100);
 }

@@ -181,7 +181,7 @@ TEST_CASE("finds the bucket of a folder in its path or in its host") {
         "https://a/b?prefix=y&marker=z");
 }
 
-TEST_CASE("chooses what stands for a folder") {
+TEST_CASE("chooses the file that represents a folder") {
   using Names = std::vector<std::string>;
   const auto choice = [](const Names& names, const std::string& series = {}, std::optional<qnv::ShownStep> step = {}) {
     return choose_in_folder(names, series.empty() ? std::nullopt : numbered_name(series), step);
@@ -245,7 +245,7 @@ TEST_CASE("opens a group of Zarr in a bucket without consolidated metadata") {
   CHECK(plain.load("memory://store/bucket/run7/").geometries.size() == 1);
 }
 
-TEST_CASE("gives one message for a folder that nothing lists, and for a list without an end") {
+TEST_CASE("gives one message for a folder that no server lists, and for a list without an end") {
   Store store;
   const LoadedWorld none = store.load("memory://store/bucket/run/");
   CHECK(none.diagnostics.errors() == 1);

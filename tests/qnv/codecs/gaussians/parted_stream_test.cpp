@@ -198,7 +198,7 @@ TEST_CASE("Gaussians in parts report a full disk, broken numbers and cancellatio
   CHECK(std::get<EncodeError>(broken).message == "Gaussian 2500 is not finite; expected finite numbers");
 }
 
-TEST_CASE("Gaussians in one place are divided into parts too") {
+TEST_CASE("divides coincident Gaussians into parts") {
   Gaussians source = test::splat_cloud(3000);
   for (glm::vec3& p : source.positions) p = glm::vec3(0.25f);
   source.positions[5] = glm::vec3(0.5f, -1, 2);

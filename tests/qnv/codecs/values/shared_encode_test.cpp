@@ -195,7 +195,7 @@ TEST_CASE("shared encoding: All ranks report the error of one") {
   }
 }
 
-TEST_CASE("shared encoding: All ranks report numbers that are no labels") {
+TEST_CASE("shared encoding: All ranks report numbers that are not labels") {
   // The last slice alone has a fraction. The other ranks cannot know that.
   VolumeLayout layout = layout_of(20, 20, 12);
   layout.labels = true;

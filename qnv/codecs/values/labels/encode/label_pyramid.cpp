@@ -21,7 +21,7 @@ namespace gs::qnv::values {
 
 namespace {
 
-constexpr char kNoLabels[] = "numbers that are no labels; expected whole numbers from -2^31 to 2^32 - 1";
+constexpr char kNoLabels[] = "numbers that are not labels; expected whole numbers from -2^31 to 2^32 - 1";
 
 template <class Use>
 void with_voxels(VoxelType type, Use&& use) {

@@ -365,7 +365,7 @@ TEST_CASE("changes of a cut of Gaussians fade") {
   CHECK_FALSE(stream->fading());
 }
 
-TEST_CASE("Gaussians that arrive fade in") {
+TEST_CASE("received Gaussians fade in") {
   const EncodedStream encoded = encoded_cloud(6000);
   const Stream stream = opened(SplatStream::begin(std::span(encoded.bytes).first(9000)));
   (void)stream->cut(view_from(2), 1.0);
