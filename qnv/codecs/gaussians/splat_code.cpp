@@ -42,7 +42,7 @@ SplatErrors splat_errors(int steps) {
   return {{place, place * kMostPlaceFactor},
           {color, color * power_of(kMostColorFactor)},
           std::sqrt(power_of(1)) - 1,
-          0.5 / kMostOpacity};
+          1.0 / kMostOpacity};  // of splats below half a step, which keep the least opacity
 }
 
 double scale_of(int code) { return power_of(code + kLeastOctave * kScaleSteps); }
