@@ -379,9 +379,10 @@ TEST_CASE("reports what is damaged in the list of streamed SOG") {
     const ReadLevels read = read_levels(files.at("lod-meta.json"), files);
     return read.diagnostics.entries().empty() ? std::string() : read.diagnostics.entries()[0].message;
   };
-  CHECK(problem_with("\"version\":1", "\"version\":2").find("version is not known") != std::string::npos);
-  CHECK(problem_with("\"0_0/meta.json\"", "\"../meta.json\"").find("not in its folder or below") != std::string::npos);
-  CHECK(problem_with("\"0_0/meta.json\"", "\"https://a/meta.json\"").find("not in its folder") != std::string::npos);
+  CHECK(problem_with("\"version\":1", "\"version\":2").find("version is not supported") != std::string::npos);
+  CHECK(problem_with("\"0_0/meta.json\"", "\"../meta.json\"").find("outside of its folder") != std::string::npos);
+  CHECK(problem_with("\"0_0/meta.json\"", "\"https://a/meta.json\"").find("outside of its folder") !=
+        std::string::npos);
   CHECK(problem_with("\"file\":0", "\"file\":7").find("no valid file, offset and count") != std::string::npos);
   CHECK(problem_with("\"file\":0,\"offset\":1", "\"file\":0,\"offset\":2").find("has 2 splats; expected 3") !=
         std::string::npos);

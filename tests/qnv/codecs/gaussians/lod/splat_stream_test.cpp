@@ -410,7 +410,8 @@ TEST_CASE("clusters of Gaussians have limited numbers of children and of chunks 
   std::string why;
   std::uint64_t offset = 0;
   const auto arrive = [&](const gaussians::ClusterHead& head) { return tree.arrive(head, offset++, 50, why); };
-  CHECK(arrive({}) == tree.root());
+  const std::uint32_t first = arrive({});
+  CHECK(first == tree.root());
   for (std::uint32_t id = 1; id <= gaussians::kMostNodes; ++id)
     REQUIRE(arrive({id, 0, id - 1, 1, 1}) != gaussians::kNoCluster);
   CHECK(why.empty());
