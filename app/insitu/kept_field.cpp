@@ -54,6 +54,11 @@ struct KeptField::Piece {
   GridIndex first{}, size{};  // in the chunk
   GridIndex from{};           // first point in the part
   std::uint32_t step = 1;     // distance between points, in points of the part
+
+  /// Returns the index of the first point of row (y, z) in a part of this size.
+  [[nodiscard]] std::size_t row_in(const GridIndex& part, std::uint32_t y, std::uint32_t z) const {
+    return (std::size_t{from[2] + z * step} * part[1] + from[1] + std::size_t{y} * step) * part[0] + from[0];
+  }
 };
 
 template <class Work>
@@ -139,10 +144,7 @@ void KeptField::read(const Chunk& chunk, std::vector<float>& values) const {
   each_piece(chunk, [&](const Part& part, const Piece& piece) {
     for (std::uint32_t z = 0; z < piece.size[2]; ++z)
       for (std::uint32_t y = 0; y < piece.size[1]; ++y) {
-        const std::size_t at = (std::size_t{piece.from[2] + z * piece.step} * part.box.size[1] + piece.from[1] +
-                                std::size_t{y} * piece.step) *
-                                   part.box.size[0] +
-                               piece.from[0];
+        const std::size_t at = piece.row_in(part.box.size, y, z);
         float* const row =
             &values[(std::size_t{piece.first[2] + z} * shape[1] + piece.first[1] + y) * shape[0] + piece.first[0]];
         if (exact_)
@@ -163,10 +165,7 @@ void KeptField::pack(const Chunk& chunk, std::uint32_t number, std::vector<std::
     end += sizeof header;
     for (std::uint32_t z = 0; z < piece.size[2]; ++z)
       for (std::uint32_t y = 0; y < piece.size[1]; ++y) {
-        const std::size_t at = (std::size_t{piece.from[2] + z * piece.step} * part.box.size[1] + piece.from[1] +
-                                std::size_t{y} * piece.step) *
-                                   part.box.size[0] +
-                               piece.from[0];
+        const std::size_t at = piece.row_in(part.box.size, y, z);
         const std::byte* from = exact_ ? reinterpret_cast<const std::byte*>(&part.values[at])
                                        : reinterpret_cast<const std::byte*>(&part.codes[at]);
         for (std::uint32_t x = 0; x < piece.size[0]; ++x, from += piece.step * value_bytes, end += value_bytes)
