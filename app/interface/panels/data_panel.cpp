@@ -391,11 +391,15 @@ void DataPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& a
     colored_text(UiColors::kQuiet, "Open a file to see its datasets.");
   } else {
     VoxelComponent choice = data.choice;
-    if (data.list->entries.empty())
+    if (!data.list->entries.empty()) tree(data, all.data);
+    // One line in both states, so that no row moves under the pointer when reading ends.
+    const std::size_t number = data.list->entries.size();
+    if (data.loading)
+      colored_text(UiColors::kAccent, "Reading ...");
+    else if (number == 0)
       colored_text(UiColors::kQuiet, "This file has one dataset.");
     else
-      tree(data, all.data);
-    if (data.loading) colored_text(UiColors::kAccent, "Reading ...");
+      colored_text(UiColors::kQuiet, std::to_string(number) + (number == 1 ? " dataset" : " datasets"));
     step_rows(data, choice, all.data);
     component_rows(data, choice);
     color_rows(data, choice);
