@@ -1,15 +1,15 @@
 #pragma once
 
-#include "app/insitu/grid_parts.h"
-#include "app/insitu/kept_field.h"
+#include "app/insitu/arrays/grid_parts.h"
+#include "app/insitu/arrays/kept_field.h"
+#include "app/insitu/arrays/particle_parts.h"
+#include "app/insitu/arrays/ranks.h"
+#include "app/insitu/arrays/step_plan.h"
+#include "app/insitu/arrays/surface_parts.h"
 #include "app/insitu/parameters.h"
-#include "app/insitu/particle_parts.h"
 #include "app/insitu/publisher.h"
-#include "app/insitu/ranks.h"
 #include "app/insitu/step_pace.h"
-#include "app/insitu/step_plan.h"
 #include "app/insitu/step_streams.h"
-#include "app/insitu/surface_parts.h"
 #include "base/noncopyable.h"
 
 #include <chrono>

@@ -1,6 +1,6 @@
 #include "app/insitu/publisher.h"
 
-#include "app/insitu/value_colors.h"
+#include "app/insitu/arrays/value_colors.h"
 #include "net/control/control_token.h"
 #include "net/control/live_file.h"
 #include "net/files/file.h"
