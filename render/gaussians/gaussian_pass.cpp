@@ -71,7 +71,7 @@ class GaussianCollector {
   [[nodiscard]] GaussianItem item_of(const SplatItem& item) const {
     GaussianItem own;
     own.camera_from_node = glm::mat4(camera_from_world_ * item.world_from_node);
-    own.opacity = options_.splat_style.opacity * (1 - item.material.transparency);
+    own.opacity = 1 - item.material.transparency;
     // As volumes, Gaussians are clipped by one plane: the viewer's, or the outermost ClipPlane.
     if (options_.splat_style.clip)
       own.clip = glm::vec4(*options_.splat_style.clip * item.world_from_node);
