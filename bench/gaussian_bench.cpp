@@ -1,8 +1,9 @@
 // Measures Gaussian splats: `gaussian_bench [--size WxH] [--threads N] [--runs N] [--copies N] [--backend NAME
-// [--samples N]] FILE...`. Prints for each file the number of splats and the median times of a picture (1024x768) over
-// a turn around the model, on the CPU. With a backend, draws by the renderer, with OpenGL and on the CPU: while the eye
-// moves around the model, so that OpenGL sorts for each picture, and while it looks around from one place, so that the
-// order stays. Also prints the PSNR between both paths. `--copies` puts copies of the splats beside each other.
+// [--samples N] [--path cpu]] FILE...`. Prints for each file the number of splats, and the median and least times of a
+// picture (1024x768) over a turn around the model, on the CPU. With a backend, draws by the renderer, with OpenGL and
+// on the CPU: while the eye moves around the model, so that OpenGL sorts for each picture, and while it looks around
+// from one place, so that the order stays. Also prints the PSNR between both paths. `--path cpu` omits OpenGL.
+// `--copies` puts copies of the splats beside each other.
 #include "app/loading/world_loader.h"
 #include "bench/shared/open_gl.h"
 #include "render/collection/render_scene.h"
@@ -35,6 +36,7 @@ struct Setting {
   int runs = 24, samples = 4;
   std::size_t copies = 1;
   std::string backend;
+  bool only_cpu = false;
 };
 
 /// Returns copies of splats, in a grid of squares on the plane y = 0.
@@ -79,9 +81,13 @@ Orbit orbit_of(const qnv::Gaussians& gaussians) {
   return {middle, 3.5f * distances[distances.size() / 2]};
 }
 
-/// Returns the median milliseconds of `draw(turn)` for turns from 0 to `most` radians. The first call is not counted.
+struct Times {
+  double median, least;
+};
+
+/// Returns the milliseconds of `draw(turn)` for turns from 0 to `most` radians. The first call is not counted.
 template <class Draw>
-double median_time(int runs, float most, const Draw& draw) {
+Times times_of(int runs, float most, const Draw& draw) {
   std::vector<double> times;
   for (int run = 0; run <= runs; ++run) {
     const auto start = std::chrono::steady_clock::now();
@@ -89,8 +95,8 @@ double median_time(int runs, float most, const Draw& draw) {
     const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
     if (run > 0) times.push_back(time.count());
   }
-  std::ranges::nth_element(times, times.begin() + runs / 2);
-  return times[static_cast<std::size_t>(runs / 2)];
+  std::ranges::sort(times);
+  return {times[static_cast<std::size_t>(runs / 2)], times.front()};
 }
 
 constexpr float kWholeTurn = 6.2831853f;
@@ -98,15 +104,15 @@ constexpr float kWholeTurn = 6.2831853f;
 void measure_cpu(const std::string& name, const qnv::Gaussians& gaussians, const Setting& setting) {
   const Orbit orbit = orbit_of(gaussians);
   double seen = 0;
-  const double median = median_time(setting.runs, kWholeTurn, [&](float turn) {
+  const auto [median, least] = times_of(setting.runs, kWholeTurn, [&](float turn) {
     render::GaussianItem item;
     item.gaussians = &gaussians;
     item.count = gaussians.size();
     item.camera_from_node = glm::lookAt(orbit.eye(turn), orbit.middle, glm::vec3(0, 1, 0));
-    const render::VolumeLayer layer = render::rasterize_gaussians({&item, 1}, setting.view);
+    const render::VolumeLayer layer = render::rasterize_gaussians({&item, 1}, setting.view, {}, false);
     if (turn > 0) seen += static_cast<double>(layer.vectors) / setting.runs;
   });
-  std::printf("| %s | %zu | %.0f | %.1f | %.1f |\n", name.c_str(), gaussians.size(), seen, median,
+  std::printf("| %s | %zu | %.0f | %.1f | %.1f | %.1f |\n", name.c_str(), gaussians.size(), seen, median, least,
               seen / median / 1000);
 }
 
@@ -148,13 +154,15 @@ void measure_renderer(const std::string& name, const render::SplatItem& item, co
   for (const render::SplatPath path : {render::SplatPath::gl, render::SplatPath::cpu}) {
     options.splats = path;
     const bool by_gl = path == render::SplatPath::gl;
-    const int runs = by_gl ? setting.runs : std::max(setting.runs / 4, 3);
+    if (setting.only_cpu && by_gl) continue;
+    const int runs = by_gl || setting.only_cpu ? setting.runs : std::max(setting.runs / 4, 3);
     const auto start = std::chrono::steady_clock::now();
     around(0);
     const std::chrono::duration<double, std::milli> first = std::chrono::steady_clock::now() - start;
+    const Times moving = times_of(runs, kWholeTurn, around), turning = times_of(runs, 0.3f, looking);
     char text[128];
-    std::snprintf(text, sizeof text, " %s | %.0f | %.2f | %.2f |", statistics.splats, first.count(),
-                  median_time(runs, kWholeTurn, around), median_time(runs, 0.3f, looking));
+    std::snprintf(text, sizeof text, " %s | %.0f | %.2f | %.2f | %.2f | %.2f |", statistics.splats, first.count(),
+                  moving.median, moving.least, turning.median, turning.least);
     row += text;
     around(0);
     auto image = renderer.draw_to_image(list, camera, options, &statistics);
@@ -200,13 +208,14 @@ int main(int count, char** arguments) {
     if (name == "--threads") view.threads = static_cast<unsigned>(std::atoi(value));
     if (name == "--copies") setting.copies = static_cast<std::size_t>(std::max(1, std::atoi(value)));
     if (name == "--samples") setting.samples = std::max(1, std::atoi(value));
+    if (name == "--path") setting.only_cpu = std::string_view(value) == "cpu";
     if (name == "--backend") setting.backend = value;
     if (name == "--size") (void)std::sscanf(value, "%dx%d", &view.width, &view.height);
   }
   if (first >= count) {
     std::fprintf(stderr,
                  "usage: gaussian_bench [--size WxH] [--threads N] [--runs N] [--copies N] [--backend NAME [--samples "
-                 "N]] FILE...\n");
+                 "N] [--path cpu]] FILE...\n");
     return 2;
   }
   view.tangents = {0.55f, 0.55f * static_cast<float>(view.height) / static_cast<float>(view.width)};
@@ -220,11 +229,14 @@ int main(int count, char** arguments) {
     if (auto* error = std::get_if<render::ContextError>(&created)) return std::fputs(error->message.c_str(), stderr), 1;
     renderer = std::move(std::get<std::unique_ptr<render::Renderer>>(created));
     std::printf("%s, %dx%d, %d samples\n", opened->gl.renderer.c_str(), view.width, view.height, setting.samples);
-    std::printf(
-        "| file | splats | path | first, ms | around, ms | looking, ms | path | first | around | looking | PSNR |\n"
-        "|---|--:|---|--:|--:|--:|---|--:|--:|--:|--:|\n");
+    const int paths = setting.only_cpu ? 1 : 2;
+    std::printf("| file | splats |");
+    for (int i = 0; i < paths; ++i) std::printf(" path | first, ms | around, ms | least | looking, ms | least |");
+    std::printf(" PSNR |\n|---|--:|");
+    for (int i = 0; i < paths; ++i) std::printf("---|--:|--:|--:|--:|--:|");
+    std::printf("--:|\n");
   } else {
-    std::printf("| file | splats | in view | ms a picture | M splats/s |\n|---|--:|--:|--:|--:|\n");
+    std::printf("| file | splats | in view | ms a picture | least | M splats/s |\n|---|--:|--:|--:|--:|--:|\n");
   }
   for (int i = first; i < count; ++i)
     if (!measure(arguments[i], setting, renderer.get(), opened ? &opened->gl : nullptr)) {

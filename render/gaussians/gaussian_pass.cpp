@@ -169,7 +169,7 @@ GaussianPass::GaussianPass(const Gl& gl, SortMethod sort)
     : gl_(gl), target_(gl), gaussian_gl_(gl, target_, sort), overlay_(gl) {}
 
 void GaussianPass::draw(const RenderList& list, const Camera& camera, const Projection& projection,
-                        const DrawOptions& options, FrameStatistics& statistics) {
+                        const DrawOptions& options, FrameStatistics& statistics, bool any_opaque) {
   gaussian_gl_.forget_unused();
   if (std::none_of(list.splats.begin(), list.splats.end(), gaussians_of)) return;
   const SplatView view = viewport_view(camera, projection, options);
@@ -189,8 +189,9 @@ void GaussianPass::draw(const RenderList& list, const Camera& camera, const Proj
     statistics.splats = "cpu";  // shows that OpenGL could not draw splats
   }
   VolumeStops stops;
-  if (target_.read_depths(rectangle, projection, depths_)) stops = depths_.stops();
-  const VolumeLayer layer = rasterize_gaussians(scene.items, view, stops);
+  const bool is_read = any_opaque && target_.read_depths(rectangle, projection, depths_);
+  if (is_read) stops = depths_.stops();
+  const VolumeLayer layer = rasterize_gaussians(scene.items, view, stops, any_opaque && !is_read);
   if (std::string_view(statistics.splats) == "none") statistics.splats = "cpu";
   statistics.vectors += layer.vectors;
   if (layer.empty()) return;

@@ -24,10 +24,10 @@ class GaussianPass {
  public:
   explicit GaussianPass(const Gl& gl, SortMethod sort = SortMethod::automatic);
 
-  /// Draws the Gaussians. Call it after all opaque content. `camera` must have near and far planes. Leaves blending and
-  /// the depth test off, and depth writes on.
+  /// Draws the Gaussians. Call it after all opaque content; `any_opaque` is false if there is none. `camera` must have
+  /// near and far planes. Leaves blending and the depth test off, and depth writes on.
   void draw(const RenderList& list, const Camera& camera, const Projection& projection, const DrawOptions& options,
-            FrameStatistics& statistics);
+            FrameStatistics& statistics, bool any_opaque = true);
 
   /// Returns the method that sorted for the last OpenGL image.
   [[nodiscard]] SortMethod sorted_by() const { return gaussian_gl_.sorted_by(); }
