@@ -28,7 +28,7 @@ struct FiniteRange {
 
 /// Returns a scale for a range of values, extended by an eighth of the range at each end.
 [[nodiscard]] CodeScale scale_of(const FiniteRange& range);
-/// Returns a scale for a range of values whose codes change values by at most `error`. Its step is a power of two, so
+/// Returns a scale for a range of values. Its codes change values by at most `error`. Its step is a power of two, so
 /// that floats hold the decoded values exactly. The step is 0 if 16 bits do not suffice.
 [[nodiscard]] CodeScale rounded_scale(const FiniteRange& range, float error);
 

@@ -24,7 +24,8 @@ std::int16_t code_of(float value, float offset, float inverse, FiniteRange& rang
 // Number of steps below which floats hold all multiples of a step, and at most one bit below it.
 constexpr float kMostSteps = 4'194'304;
 
-// Returns the largest power of two whose nearest multiple differs from a value by at most `error`; 0 if there is none.
+// Returns the largest power of two for which the nearest multiple differs from a value by at most `error`; 0 if there
+// is none.
 float step_within(float error) {
   if (!(error > 0) || !std::isfinite(error)) return 0;
   // The nearest multiple of 2^n differs from a value by at most 2^(n-1).
