@@ -108,6 +108,34 @@ class BinaryDecoder {
     model.learn(bit);
     return bit;
   }
+  /// Decodes a number in unary: one decision for each of the `models`, until the first 0.
+  std::size_t get_unary(std::span<BitModel> models) {
+    std::uint32_t range = range_, code = code_;  // in registers
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      BitModel& model = models.data()[i];
+      const auto bound = static_cast<std::uint32_t>(static_cast<std::uint64_t>(range) * model.probability() >> 16);
+      const bool bit = code < bound;
+      if (bit) {
+        range = bound;
+      } else {
+        code -= bound;
+        range -= bound;
+      }
+      model.learn(bit);
+      while (range < 1u << 24) [[unlikely]] {
+          code = code << 8 | next();
+          range <<= 8;
+        }
+      if (!bit) {
+        range_ = range;
+        code_ = code;
+        return i;
+      }
+    }
+    range_ = range;
+    code_ = code;
+    return models.size();
+  }
   bool get(std::uint32_t probability) {
     return decide(static_cast<std::uint32_t>(static_cast<std::uint64_t>(range_) * probability >> 16));
   }

@@ -12,9 +12,6 @@
 
 namespace gs::qnv::gaussians {
 
-/// Appends a decoded Gaussian without its harmonics, normal and weight, which views do not need.
-void append_splat(const SplatNode& node, Gaussians& all);
-
 /// Decoded clusters of a stream: Gaussians for drawing, and states for decoding children. Call from one thread; uses
 /// other threads internally.
 class SplatCache : NonCopyable {
@@ -75,7 +72,7 @@ class SplatCache : NonCopyable {
   [[nodiscard]] std::uint32_t received_harmonics(std::uint32_t cluster) const;
   /// Sets the harmonics of a block: own ones, else those of the parents if these are decoded.
   void put_harmonics(std::uint32_t cluster, const Entry& own, Gaussians& splats) const;
-  [[nodiscard]] std::unique_ptr<Entry> made(std::uint32_t cluster, std::unique_ptr<SplatState> state) const;
+  [[nodiscard]] std::unique_ptr<Entry> made(std::uint32_t cluster, const SplatState& state) const;
   void update_parents(std::span<const std::uint32_t> clusters);
   void keep(std::uint32_t cluster, std::unique_ptr<Entry> made, std::uint64_t now);
   void drop_state(std::uint32_t cluster);

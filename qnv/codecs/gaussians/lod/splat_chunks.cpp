@@ -85,7 +85,7 @@ bool SplatChunks::directory_fits() const {
   for (std::size_t i = 0; i < tree_.size(); i += std::max<std::size_t>(1, tree_.size() / kSampledHeads))
     if (!fits(static_cast<std::uint32_t>(i))) return false;
   // The root cluster must decode, because every view needs it.
-  return decode(tree_.root(), nullptr) != nullptr;
+  return decode(tree_.root(), nullptr, *std::make_unique<SplatScratch>());
 }
 
 // Reads the whole stream once, checks all checksums, and collects all chunks.
@@ -208,32 +208,30 @@ bool SplatChunks::read_head(std::uint32_t index) {
   return false;
 }
 
-std::unique_ptr<SplatState> SplatChunks::decode(std::uint32_t index, const SplatState* parent) const {
+bool SplatChunks::decode(std::uint32_t index, const SplatState* parent, SplatScratch& scratch) const {
   const SplatCluster& cluster = tree_[index];
-  std::vector<std::byte> buffer;
-  const auto chunk = read_chunk(*source_, cluster.offset, cluster.bytes, buffer);
+  const auto chunk = read_chunk(*source_, cluster.offset, cluster.bytes, scratch.chunk);
   const auto* sound = std::get_if<SoundChunk>(&chunk);
-  if (!sound || sound->type != ChunkType::gaussians) return nullptr;
+  if (!sound || sound->type != ChunkType::gaussians) return false;
   const auto packed = parse_cluster(sound->payload);
   const bool is_root = cluster.parent == kNoCluster;
   if (!packed || packed->head.id != cluster.id || is_root != (packed->head.parent == ClusterHead::kNoParent) ||
       is_root == (parent != nullptr))
-    return nullptr;
+    return false;
   if (parent && (std::size_t{packed->head.first} + packed->head.count > parent->nodes.size() ||
                  tree_[cluster.parent].id != packed->head.parent))
-    return nullptr;
-  auto state = std::make_unique<SplatState>();
+    return false;
+  SplatState& state = scratch.state;
   const SplatNode root = root_node(precision_.box);
   const std::span<const SplatNode> parents =
       parent ? std::span(parent->nodes).subspan(packed->head.first, packed->head.count) : std::span(&root, 1);
-  if (parent) state->models = parent->models;
-  auto nodes = decode_nodes(packed->bytes, parents, parent != nullptr, state->models, precision_,
-                            header_.gaussians.degree > 0 ? &state->origins : nullptr);
-  if (!nodes) return nullptr;
-  for (NodeOrigin& origin : state->origins)
+  state.models = parent ? parent->models : SplatModels();
+  if (!decode_nodes(packed->bytes, parents, parent != nullptr, state.models, precision_, state.nodes,
+                    header_.gaussians.degree > 0 ? &state.origins : nullptr))
+    return false;
+  for (NodeOrigin& origin : state.origins)
     origin.parent = static_cast<std::uint16_t>(origin.parent + packed->head.first);
-  state->nodes = std::move(*nodes);
-  return state;
+  return true;
 }
 
 ClusterHarmonics SplatChunks::decode_harmonics(std::uint32_t index, std::span<const SplatNode> leaves,
@@ -253,18 +251,17 @@ ClusterHarmonics SplatChunks::decode_harmonics(std::uint32_t index, std::span<co
     const std::span<const SplatNode> nodes = coarse ? merged : leaves;
     const std::size_t first = packed->head.first, last = first + packed->head.count;
     if (last > nodes.size()) continue;
-    BinaryDecoder decoder(packed->bytes);
-    Reader reader{decoder};
+    Reader reader{BinaryDecoder(packed->bytes)};
     HarmonicModels models;
     std::array<std::array<int, 3>, harmonic_count(Gaussians::kMaxDegree)> codes{};
     std::vector<glm::vec3> own;
     std::vector<bool> has_own;  // other Gaussians inherit those of an ancestor
-    for (std::size_t k = first; k < last && !decoder.exhausted(); ++k) {
+    for (std::size_t k = first; k < last && !reader.coder.exhausted(); ++k) {
       has_own.push_back(code_harmonics(reader, models, degree, codes) || !coarse);
       const double step = harmonic_step(nodes[k], precision_);
       for (std::size_t c = 0; c < per; ++c) own.push_back(glm::vec3(rgb_of(codes[c], step)));
     }
-    if (decoder.exhausted() || own.size() != per * (last - first)) continue;
+    if (reader.coder.exhausted() || own.size() != per * (last - first)) continue;
     std::vector<glm::vec3>& values = coarse ? all.merged : all.leaves;
     std::vector<bool>& known = coarse ? all.known_merged : all.known_leaves;
     values.resize(per * nodes.size());

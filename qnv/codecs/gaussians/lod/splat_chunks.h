@@ -25,6 +25,12 @@ struct SplatState {
   SplatModels models;               // at the end of the cluster
 };
 
+/// Memory for decoding clusters one after another.
+struct SplatScratch {
+  SplatState state;
+  std::vector<std::byte> chunk;
+};
+
 /// Harmonics of a cluster, as received. The arrays have harmonic_count() coefficients per Gaussian, or are empty.
 struct ClusterHarmonics {
   std::vector<glm::vec3> leaves, merged;
@@ -51,9 +57,9 @@ class SplatChunks {
 
   /// Reads the head of a received cluster if it is not known. Returns false if that fails; the cluster is then broken.
   bool read_head(std::uint32_t cluster);
-  /// Decodes a received cluster. `parent` is the state of its parent; null for the root. Returns null if the bytes are
-  /// invalid. May run in several threads at once.
-  [[nodiscard]] std::unique_ptr<SplatState> decode(std::uint32_t cluster, const SplatState* parent) const;
+  /// Decodes a received cluster to `scratch.state`. `parent` is the state of its parent; null for the root. Returns
+  /// false if the bytes are invalid. May run in several threads at once.
+  [[nodiscard]] bool decode(std::uint32_t cluster, const SplatState* parent, SplatScratch& scratch) const;
   /// Decodes the received harmonics of a cluster. `leaves` are its leaves, and `merged` its other Gaussians except
   /// unchanged ones, both in the order of the stream.
   [[nodiscard]] ClusterHarmonics decode_harmonics(std::uint32_t cluster, std::span<const SplatNode> leaves,
