@@ -60,9 +60,11 @@ struct OpenedInput {
 [[nodiscard]] std::optional<OpenedInput> open_input(const InputOptions& options, const std::string& path,
                                                     MeshForm form = MeshForm::plain);
 
-/// Opens a local file with too many splats for one common tree (app/encode/splat_file.h). Returns nullopt for
-/// other files, and for those that cannot be opened.
-[[nodiscard]] std::optional<OpenedInput> open_many_splats(const std::string& path);
+/// Surveys a local file with too many splats for one common tree (app/encode/splat_file.h). Returns nullopt for other
+/// files, and for those that cannot be opened. Collective.
+[[nodiscard]] std::optional<SplatSurvey> survey_many_splats(const std::string& path, qnv::Ranks& ranks);
+/// Opens such a file. Without a survey, reads it once. Returns nullopt for other files.
+[[nodiscard]] std::optional<OpenedInput> open_many_splats(const std::string& path, const SplatSurvey* known = nullptr);
 /// Opens a stream of values for formats that need nothing else. Its slices are decoded when they are read, so that the
 /// volume may exceed memory. Returns nullopt for other files, and for streams that cannot be opened in this way.
 [[nodiscard]] std::optional<OpenedInput> open_values_stream(const std::string& path);

@@ -172,7 +172,8 @@ Upright wanted_upright(const ConversionOptions& options, const OpenedInput& inpu
 }
 
 bool shares_work(const ConversionOptions& options, const OpenedInput& input) {
-  if (std::holds_alternative<MeshStream>(input.content)) return true;
+  if (std::holds_alternative<MeshStream>(input.content) || std::holds_alternative<SplatFile>(input.content))
+    return true;
   const auto* const volume = std::get_if<qnv::VolumeSource>(&input.content);
   return volume && !options.isovalue && options.exact_bits <= 0 && keeps_values(options);
 }
@@ -218,6 +219,7 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
     encode_options.memory = options.limits.memory / kPartsShare;
   }
   if (splat_file) {
+    encode_options.ranks = output.ranks;
     encode_options.metadata = metadata_of(options, input, path, splat_file->source.base.description.metadata);
     const auto steps = splat_steps(options, true);
     if (const auto* problem = std::get_if<EncodeError>(&steps)) return *problem;
