@@ -1,14 +1,18 @@
 // Measures Gaussian splats: `gaussian_bench [--size WxH] [--threads N] [--runs N] [--copies N] [--backend NAME
-// [--samples N] [--path cpu]] FILE...`. Prints for each file the number of splats, and the median and least times of a
-// picture (1024x768) over a turn around the model, on the CPU. With a backend, draws by the renderer, with OpenGL and
-// on the CPU: while the eye moves around the model, so that OpenGL sorts for each picture, and while it looks around
-// from one place, so that the order stays. Also prints the PSNR between both paths. `--path cpu` omits OpenGL.
-// `--copies` puts copies of the splats beside each other.
+// [--samples N] [--path cpu]] [--error E] FILE...`. Prints for each file the number of splats, and the median and least
+// times of a picture (1024x768) over a turn around the model, on the CPU. With a backend, draws by the renderer, with
+// OpenGL and on the CPU: while the eye moves around the model, so that OpenGL sorts for each picture, and while it
+// looks around from one place, so that the order stays. Also prints the PSNR between both paths. `--path cpu` omits
+// OpenGL.
+// `--copies` puts copies of the splats beside each other. `--error E` draws cuts with an error of E pixels.
 #include "app/loading/world_loader.h"
 #include "bench/shared/open_gl.h"
+#include "qnv/codecs/gaussians/encode/gaussians_stream.h"
+#include "qnv/codecs/gaussians/lod/splat_stream.h"
 #include "render/collection/render_scene.h"
 #include "render/draw/renderer.h"
 #include "render/gaussians/gaussian_raster.h"
+#include "render/splat/splat_pieces.h"
 
 #include <glm/glm.hpp>
 #include <glm/gtc/matrix_transform.hpp>
@@ -16,6 +20,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -37,6 +42,7 @@ struct Setting {
   std::size_t copies = 1;
   std::string backend;
   bool only_cpu = false;
+  float error = 0;  // of cuts, in pixels; 0 means all Gaussians
 };
 
 /// Returns copies of splats, in a grid of squares on the plane y = 0.
@@ -116,12 +122,60 @@ void measure_cpu(const std::string& name, const qnv::Gaussians& gaussians, const
               seen / median / 1000);
 }
 
-double decibels(const render::Image& a, const render::Image& b) {
+double decibels(const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b) {
   double sum = 0;
-  for (std::size_t i = 0; i < a.pixels.size() && i < b.pixels.size(); ++i)
-    sum += (a.pixels[i] - b.pixels[i]) * (a.pixels[i] - b.pixels[i]);
-  const double mean = sum / static_cast<double>(std::max<std::size_t>(a.pixels.size(), 1));
+  for (std::size_t i = 0; i < a.size() && i < b.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  const double mean = sum / static_cast<double>(std::max<std::size_t>(a.size(), 1));
   return mean > 0 ? 10 * std::log10(255.0 * 255.0 / mean) : std::numeric_limits<double>::infinity();
+}
+
+/// Measures cuts of a stream of the Gaussians, as they are drawn while the view moves.
+void measure_cuts(const std::string& name, const qnv::Gaussians& gaussians, const Setting& setting) {
+  const Orbit orbit = orbit_of(gaussians);
+  const auto start = std::chrono::steady_clock::now();
+  const auto encoded = qnv::encode_gaussians(gaussians, {});
+  const auto* bytes = std::get_if<qnv::EncodedStream>(&encoded);
+  if (!bytes) return;
+  auto opened = qnv::SplatStream::open(bytes->bytes);
+  auto* stream = std::get_if<std::unique_ptr<qnv::SplatStream>>(&opened);
+  if (!stream) return;
+  const std::chrono::duration<double> encoding = std::chrono::steady_clock::now() - start;
+  render::SplatView view = setting.view;
+  render::GaussianItem item;
+  std::vector<render::GaussianItem> items;
+  const auto cut = [&](float turn) {
+    view.camera_from_node = item.camera_from_node = glm::lookAt(orbit.eye(turn), orbit.middle, glm::vec3(0, 1, 0));
+    auto lod = render::lod_view(view);
+    items.clear();
+    if (!lod) return;
+    lod->error_pixels = setting.error;
+    for (const qnv::SplatRun& run : (*stream)->cut(*lod)) {
+      item.gaussians = run.splats.get();
+      item.first = run.first;
+      item.count = run.count;
+      items.push_back(item);
+    }
+  };
+  (void)times_of(setting.runs, kWholeTurn, cut);  // decodes
+  const Times cutting = times_of(setting.runs, kWholeTurn, cut);
+  double drawn = 0, psnr = 0;
+  const Times all = times_of(setting.runs, kWholeTurn, [&](float turn) {
+    cut(turn);
+    const render::VolumeLayer layer = render::rasterize_gaussians(items, view, {}, false);
+    if (turn > 0) drawn += static_cast<double>(layer.vectors) / setting.runs;
+  });
+  for (int run = 1; run <= setting.runs; ++run) {
+    cut(kWholeTurn * static_cast<float>(run) / static_cast<float>(setting.runs));
+    const render::VolumeLayer coarse = render::rasterize_gaussians(items, view, {}, false);
+    item.gaussians = &gaussians;
+    item.first = 0;
+    item.count = gaussians.size();
+    const render::VolumeLayer whole = render::rasterize_gaussians({&item, 1}, view, {}, false);
+    psnr += decibels(coarse.pixels, whole.pixels) / setting.runs;
+  }
+  std::printf("| %s, error of %.1f pixels | %zu | %.0f | %.1f | %.1f | cut %.1f, encoded in %.1f s, %.1f dB |\n",
+              name.c_str(), static_cast<double>(setting.error), gaussians.size(), drawn, all.median, all.least,
+              cutting.median, encoding.count(), psnr);
 }
 
 void measure_renderer(const std::string& name, const render::SplatItem& item, const Setting& setting,
@@ -169,7 +223,7 @@ void measure_renderer(const std::string& name, const render::SplatItem& item, co
     if (auto* drawn = std::get_if<render::Image>(&image)) images[by_gl ? 0 : 1] = std::move(*drawn);
   }
   std::printf("| %s | %zu |%s %.1f |\n", name.c_str(), gaussians.size(), row.c_str(),
-              images[0] && images[1] ? decibels(*images[0], *images[1]) : 0.0);
+              images[0] && images[1] ? decibels(images[0]->pixels, images[1]->pixels) : 0.0);
 }
 
 bool measure(const std::string& file, const Setting& setting, render::Renderer* renderer, const render::Gl* gl) {
@@ -186,7 +240,7 @@ bool measure(const std::string& file, const Setting& setting, render::Renderer* 
     if (renderer)
       measure_renderer(name, item, setting, *renderer, *gl);
     else
-      measure_cpu(name, *item.geometry->as<qnv::Gaussians>(), setting);
+      (setting.error > 0 ? measure_cuts : measure_cpu)(name, *item.geometry->as<qnv::Gaussians>(), setting);
     std::fflush(stdout);
     return true;
   }
@@ -208,6 +262,7 @@ int main(int count, char** arguments) {
     if (name == "--threads") view.threads = static_cast<unsigned>(std::atoi(value));
     if (name == "--copies") setting.copies = static_cast<std::size_t>(std::max(1, std::atoi(value)));
     if (name == "--samples") setting.samples = std::max(1, std::atoi(value));
+    if (name == "--error") setting.error = static_cast<float>(std::atof(value));
     if (name == "--path") setting.only_cpu = std::string_view(value) == "cpu";
     if (name == "--backend") setting.backend = value;
     if (name == "--size") (void)std::sscanf(value, "%dx%d", &view.width, &view.height);
@@ -215,7 +270,7 @@ int main(int count, char** arguments) {
   if (first >= count) {
     std::fprintf(stderr,
                  "usage: gaussian_bench [--size WxH] [--threads N] [--runs N] [--copies N] [--backend NAME [--samples "
-                 "N] [--path cpu]] FILE...\n");
+                 "N] [--path cpu]] [--error E] FILE...\n");
     return 2;
   }
   view.tangents = {0.55f, 0.55f * static_cast<float>(view.height) / static_cast<float>(view.width)};

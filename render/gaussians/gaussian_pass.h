@@ -1,6 +1,7 @@
 #pragma once
 
 #include "render/gaussians/gaussian_gl.h"
+#include "render/gaussians/gaussian_levels.h"
 #include "render/gl/gpu.h"
 #include "render/scene/camera.h"
 #include "render/scene/draw_options.h"
@@ -34,6 +35,7 @@ class GaussianPass {
 
  private:
   const Gl& gl_;
+  GaussianLevels levels_;
   VolumeTarget target_;
   GaussianGl gaussian_gl_;
   TargetDepths depths_;
