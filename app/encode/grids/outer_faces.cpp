@@ -34,6 +34,7 @@ struct FaceBlock {
 constexpr std::uint64_t kMostFaces = 6;
 // Shares of the memory limit: faces of the bucket that is compared, faces that wait for their block, outer faces.
 constexpr std::uint64_t kBucketShare = 16, kWaitingShare = 16, kOuterShare = 8;
+constexpr std::uint64_t kLeastMemory = std::uint64_t{1} << 20;
 // A bucket may exceed its share so many times.
 constexpr std::uint64_t kUneven = 4;
 
@@ -43,16 +44,16 @@ class FaceSearch {
   FaceSearch(const LargeGrid& grid, qnv::EncodeRanks& shared, std::uint64_t memory, Progress* progress)
       : grid_(grid),
         shared_(shared),
-        memory_(memory),
+        memory_(std::max(memory, kLeastMemory)),
         progress_(progress),
         own_(qnv::share_of(shared.ranks(), grid.runs.size())) {
     std::uint64_t cells = 0;
     for (const LargeGrid::Run& run : grid.runs) cells += run.cells;
     buckets_ = static_cast<std::size_t>(std::clamp<std::uint64_t>(
-        cells * kMostFaces * sizeof(StoredFace) / (memory / kBucketShare) + 1, 4 * shared.count(), 1 << 16));
+        cells * kMostFaces * sizeof(StoredFace) / (memory_ / kBucketShare) + 1, 4 * shared.count(), 1 << 16));
     waiting_.resize(buckets_);
     most_waiting_ = static_cast<std::size_t>(
-        std::clamp<std::uint64_t>(memory / kWaitingShare / buckets_ / sizeof(StoredFace), 16, 2048));
+        std::clamp<std::uint64_t>(memory_ / kWaitingShare / buckets_ / sizeof(StoredFace), 16, 2048));
   }
 
   std::variant<std::vector<OuterFace>, EncodeError> run() {
