@@ -70,6 +70,7 @@ std::optional<EncodeInput> open_encode_input(const ConversionOptions& options, P
     return std::nullopt;
   }
   auto input = in_pieces(options, steps) ? open_many_splats(steps.front(), known) : std::nullopt;
+  if (!input && steps.size() == 1 && !options.isovalue) input = open_grid_in_parts(options, steps.front());
   if (!input) input = steps.size() > 1 ? open_steps(options, steps) : open_input(options, steps.front());
   if (!input) return std::nullopt;
   if (const auto problem = edit_input(options.splats, *input)) {

@@ -309,6 +309,25 @@ std::optional<OpenedInput> open_many_splats(const std::string& path, const Splat
   return input;
 }
 
+std::optional<OpenedInput> open_grid_in_parts(const InputOptions& options, const std::string& path) {
+  const auto file = mapped_input(path);
+  if (!file) return std::nullopt;
+  const std::string local = local_input(path);
+  VolumeFile source{
+      local, file_name(local), {file, file->bytes()}, reader_beside(local, load_options(options).allowed)};
+  source.budget = std::make_shared<Budget>(options.limits);
+  source.component = options.component;
+  auto grid = open_large_grid(source, source.budget->limit(Resource::nodes));
+  if (!grid) return std::nullopt;
+  const ContentType& type = content_type_of(local, first_bytes(file->bytes()));
+  OpenedInput input{{}, std::string(type.name), file_name(local), file->bytes().size(), {}, {}, file};
+  for (const VtkGridFile& part : grid->files.files)
+    if (!part.path.empty()) input.bytes += part.size;
+  input.upright = upright_of(type.up, glm::vec3(0));
+  input.content = std::move(*grid);
+  return input;
+}
+
 std::optional<OpenedInput> open_values_stream(const std::string& path) {
   if (is_url_input(path)) return std::nullopt;
   const std::string local = local_input(path);

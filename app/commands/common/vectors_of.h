@@ -26,8 +26,8 @@ struct EncodeOutput {
   unsigned threads = 0;
 };
 
-/// Reports whether several ranks can share the work of encode_input(): the values of a volume, a mesh that exceeds
-/// memory, or splats that are read in pieces.
+/// Reports whether several ranks can share the work of encode_input(): the values of a volume, a mesh or a grid that
+/// exceeds memory, or splats that are read in pieces.
 [[nodiscard]] bool shares_work(const ConversionOptions& options, const OpenedInput& input);
 
 /// Encodes an input (qnv::encode) with the settings of the options. Only volumes and splats use the sink of `output`;

@@ -50,7 +50,7 @@ struct Pieces {
               return true;
             }};
   }
-  /// Returns a source whose pieces are runs.
+  /// Returns a source with one run per piece.
   GaussianSource source_in_runs() {
     GaussianSource made = source();
     for (std::size_t first = 0; first < all.size(); first += 100)
