@@ -428,7 +428,6 @@ std::optional<std::string> edit_input(const SplatEdit& edit, OpenedInput& input)
   auto* const splats = geometry ? geometry->as<qnv::Gaussians>() : nullptr;
   const std::string first = options_of(edit).front();
   if (!splats) return first + " edits Gaussian splats; expected a file of splats";
-  if (edit.outside && !edit.box && !edit.ball) return "--crop-outside needs --crop-box or --crop-sphere";
   const SplatsRemoved removed = edit_splats(*splats, edit);
   if (splats->empty()) return first + " leaves no splat of " + std::to_string(removed.before);
   for (std::string& message : messages_of(removed)) input.losses.push_back(std::move(message));
