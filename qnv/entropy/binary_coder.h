@@ -114,23 +114,19 @@ class BinaryDecoder {
     for (std::size_t i = 0; i < models.size(); ++i) {
       BitModel& model = models.data()[i];
       const auto bound = static_cast<std::uint32_t>(static_cast<std::uint64_t>(range) * model.probability() >> 16);
-      const bool bit = code < bound;
-      if (bit) {
-        range = bound;
-      } else {
-        code -= bound;
-        range -= bound;
+      if (code >= bound) {
+        model.learn(false);
+        code_ = code - bound;
+        range_ = range - bound;
+        normalise();
+        return i;
       }
-      model.learn(bit);
+      model.learn(true);
+      range = bound;
       while (range < 1u << 24) [[unlikely]] {
           code = code << 8 | next();
           range <<= 8;
         }
-      if (!bit) {
-        range_ = range;
-        code_ = code;
-        return i;
-      }
     }
     range_ = range;
     code_ = code;
@@ -206,8 +202,8 @@ struct NumberModel {
     encoder.put_bits(rest & ((1u << bits) - 1), bits);
   }
   std::uint32_t get(BinaryDecoder& decoder) {
-    for (std::size_t i = 0; i < Steps; ++i)
-      if (!decoder.get(more[i])) return static_cast<std::uint32_t>(i);
+    const std::size_t steps = decoder.get_unary(more);
+    if (steps < Steps) return static_cast<std::uint32_t>(steps);
     int bits = 0;
     while (bits < 23 && decoder.get(prefix[static_cast<std::size_t>(bits)])) ++bits;
     return (1u << bits | decoder.get_bits(bits)) - 1 + static_cast<std::uint32_t>(Steps);

@@ -35,6 +35,7 @@ struct SplatScratch {
 struct ClusterHarmonics {
   std::vector<glm::vec3> leaves, merged;
   std::vector<bool> known_leaves, known_merged;  // one per Gaussian: has received harmonics; empty if none has
+  bool damaged = false;                          // a chunk is damaged
 };
 
 /// Chunks of a stream of Gaussians, and the tree of their clusters. The stream is in memory, in a file, or still
@@ -65,6 +66,9 @@ class SplatChunks {
   [[nodiscard]] ClusterHarmonics decode_harmonics(std::uint32_t cluster, std::span<const SplatNode> leaves,
                                                   std::span<const SplatNode> merged) const;
 
+  /// Restores damaged chunks of a file by parity. Reads the whole file, but only once. Returns true if it restored any.
+  bool restore();
+
   /// Received chunk, for decoders of the whole stream.
   struct Received {
     ChunkType type = ChunkType::gaussians;
@@ -89,6 +93,7 @@ class SplatChunks {
   [[nodiscard]] static Opened make(std::variant<StreamHeader, StreamProblem> read);
   void read_directory_of_source();
   [[nodiscard]] bool directory_fits() const;
+  void read_all(const StreamReader::OnChunk& on_chunk);
   void scan();
   bool take(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset);
   bool store(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset);
@@ -101,6 +106,8 @@ class SplatChunks {
   SplatTree tree_;
   std::shared_ptr<const ChunkSource> source_;
   std::shared_ptr<ArrivedChunks> arrived_;  // source_ of a growing stream, else null
+  std::shared_ptr<ArrivedChunks> patches_;  // restored chunks of a source with parity, else null
+  bool whole_ = false;                      // all chunks of the source were read once
   StreamReader reader_;
   LostChunks lost_;  // of a growing stream
   std::uint64_t restored_ = 0;
