@@ -1,6 +1,7 @@
 #include "app/encode/grids/large_grid.h"
 
 #include "app/formats/common/import_context.h"
+#include "app/formats/datasets/vtk/vtk_index.h"
 #include "app/formats/vtk/bookkeeping.h"
 
 #include <algorithm>

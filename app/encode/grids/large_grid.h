@@ -29,7 +29,7 @@ struct LargeGrid {
   static constexpr std::uint64_t kRunCells = std::uint64_t{1} << 16;
 
   std::string path;    // of the first file
-  VtkGridFiles files;  // with the array to show
+  VtkPartFiles files;  // with the array to show
   VoxelComponent choice;
   std::vector<Part> parts;
   std::vector<Run> runs;

@@ -94,10 +94,10 @@ class VtkDataFile final : public DatasetFile {
   }
 
   /// Returns the files of a surface; see vtk_grid_files().
-  std::optional<VtkGridFiles> grid_files(std::size_t entry, const VoxelComponent& choice) {
+  std::optional<VtkPartFiles> grid_files(std::size_t entry, const VoxelComponent& choice) {
     const auto step = chosen_step(choice);
     if (is_grid_ || std::holds_alternative<std::string>(step)) return std::nullopt;
-    VtkGridFiles grid;
+    VtkPartFiles grid;
     if (entry < shown_.size()) grid.shown = shown_[entry];
     const std::size_t number = std::get<std::size_t>(step);
     for (const VtkBlock& block : number == 0 ? blocks_ : blocks_of(steps_[number]))
@@ -407,7 +407,7 @@ std::optional<std::string> unpack_vtk_block(VtkPacking packing, std::span<const 
   return std::string("a block is not valid ") + (lz4 ? "LZ4" : "LZMA") + " data";
 }
 
-std::optional<VtkGridFiles> vtk_grid_files(const VolumeFile& file) {
+std::optional<VtkPartFiles> vtk_grid_files(const VolumeFile& file) {
   VtkDataFile opened(file);
   if (!opened.list().empty()) return std::nullopt;
   const auto entry = choose_dataset(opened.entries(), file.component.dataset);

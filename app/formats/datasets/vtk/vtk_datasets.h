@@ -21,18 +21,18 @@ namespace gs::app {
 [[nodiscard]] DatasetFileResult open_vtk_datasets(const VolumeFile& file);
 
 /// File of an unstructured grid, which is read in parts.
-struct VtkGridFile {
+struct VtkPartFile {
   std::string path;        // relative to the folder of the first file; empty for that file itself
   std::uint64_t size = 0;  // bytes
   VtkXmlHeader header;     // with the arrays of the surface only
 };
 /// Unstructured grid in one or several files, and the array that its surface shows.
-struct VtkGridFiles {
-  std::vector<VtkGridFile> files;
+struct VtkPartFiles {
+  std::vector<VtkPartFile> files;
   VtkShownArray shown;
 };
 /// Returns the files of the chosen step and dataset if all of them have unstructured grids.
 /// Returns nullopt for other data, and if a file cannot be opened.
-[[nodiscard]] std::optional<VtkGridFiles> vtk_grid_files(const VolumeFile& file);
+[[nodiscard]] std::optional<VtkPartFiles> vtk_grid_files(const VolumeFile& file);
 
 }  // namespace gs::app
