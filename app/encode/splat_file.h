@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <string_view>
 
 namespace gs::app {
 
@@ -15,12 +16,13 @@ struct SplatFile {
   qnv::GaussianSource source;
 };
 
-/// Opens a binary 3DGS or 2DGS PLY file with more than `more_than` rows. Reads it once. Returns nullopt for other
-/// files, and for splats that are discs of one opacity. `bytes` must outlive the result. Safe for untrusted input; the
-/// size of a piece bounds the memory.
-[[nodiscard]] std::optional<SplatFile> open_splat_file(std::span<const std::byte> bytes,
+/// Opens a file with more than `more_than` splats if its type is read in ranges (ContentType::open_rows). Reads it
+/// once. Returns nullopt for other files, and for splats that are discs of one opacity. The name of the file in `path`
+/// tells its type if its bytes do not. `bytes` must outlive the result. Safe for untrusted input; the size of a piece
+/// bounds the memory.
+[[nodiscard]] std::optional<SplatFile> open_splat_file(std::string_view path, std::span<const std::byte> bytes,
                                                        const PutAside& put_aside = {});
-[[nodiscard]] std::optional<SplatFile> open_splat_file(std::span<const std::byte> bytes, std::size_t more_than,
-                                                       const PutAside& put_aside = {});
+[[nodiscard]] std::optional<SplatFile> open_splat_file(std::string_view path, std::span<const std::byte> bytes,
+                                                       std::size_t more_than, const PutAside& put_aside = {});
 
 }  // namespace gs::app

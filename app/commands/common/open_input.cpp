@@ -286,7 +286,7 @@ std::optional<OpenedInput> open_many_splats(const std::string& path) {
   auto mapped = net::map_file(local);
   if (std::holds_alternative<net::FileError>(mapped)) return std::nullopt;
   const auto file = std::make_shared<const net::MappedFile>(std::move(std::get<net::MappedFile>(mapped)));
-  auto splats = open_splat_file(file->bytes(), [file](std::size_t bytes) { file->put_aside(bytes); });
+  auto splats = open_splat_file(local, file->bytes(), [file](std::size_t bytes) { file->put_aside(bytes); });
   if (!splats) return std::nullopt;
   const ContentType& type = content_type_of(local, first_bytes(file->bytes()));
   OpenedInput input{{}, std::string(type.name), file_name(local), file->bytes().size(), {}, {}, file};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/formats/common/asset.h"
+#include "app/formats/common/splat_rows.h"
 #include "app/formats/common/upright.h"
 
 #include "vrml/scene/x3d/language.h"
@@ -42,6 +43,8 @@ struct ContentType {
   bool (*holds_mesh)(const ImportSource& source) = nullptr;
   const ContentType* mesh_type = nullptr;
   bool belongs_to_others = false;  // other viewers own such files, so that the desktop does not offer this program
+  /// Splats: opens a file that is not compressed, to read it in ranges. Null if this type is only read whole.
+  OpenedSplatRows (*open_rows)(std::span<const std::byte> bytes, const WorldBudget& budget) = nullptr;
 
   /// Returns the error for a file of a type with a `remedy`: "STEP cannot be read; open it in ...".
   [[nodiscard]] std::string refusal() const { return std::string(name) + " cannot be read; " + std::string(remedy); }

@@ -224,4 +224,13 @@ ImportedVectors import_result(const SplatModel& model) {
   return splats;
 }
 
+ImportedVectors import_rows(const OpenedSplatRows& opened, const WorldBudget& budget) {
+  if (const auto* const problem = std::get_if<std::string>(&opened)) return *problem;
+  const SplatRows& rows = std::get<SplatRows>(opened);
+  SplatModel model;
+  if (auto problem = rows.read(0, rows.count, budget, model)) return std::move(*problem);
+  model.announced = static_cast<std::size_t>(std::min<std::uint64_t>(rows.announced, SIZE_MAX));
+  return import_result(model);
+}
+
 }  // namespace gs::app

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/formats/common/splat_rows.h"
 #include "base/budget.h"
 #include "qnv/base/geometry.h"
 
@@ -100,6 +101,9 @@ using ImportedVectors = std::variant<qnv::Splats, qnv::Gaussians, std::string>;
 /// returns Gaussians. Returns a message if no splat remains.
 [[nodiscard]] ImportedVectors import_result(const SplatModel& model);
 
+/// Reads all splats of an opened file, and returns import_result() of them.
+[[nodiscard]] ImportedVectors import_rows(const OpenedSplatRows& opened, const WorldBudget& budget);
+
 struct PlyTable;
 
 /// Reads the rows of a 3DGS or 2DGS PLY file into an empty model. Returns a message if it has other properties, or if
@@ -111,6 +115,8 @@ struct PlyTable;
 /// forward. A truncated file gives its complete splats.
 [[nodiscard]] ImportedVectors import_splats_ply(std::span<const std::byte> bytes,
                                                 const WorldBudget& budget = own_budget());
+/// Opens a binary file for import_splats_ply() in ranges. Returns a message for ASCII.
+[[nodiscard]] OpenedSplatRows open_splats_ply_rows(std::span<const std::byte> bytes, const WorldBudget& budget);
 /// Returns true if the header of a PLY file has the properties of 3DGS or 2DGS.
 [[nodiscard]] bool is_splats_ply(std::span<const std::byte> bytes);
 
@@ -118,11 +124,15 @@ struct PlyTable;
 /// right, down, forward.
 [[nodiscard]] ImportedVectors import_splats_antimatter(std::span<const std::byte> bytes,
                                                        const WorldBudget& budget = own_budget());
+/// Opens a file for import_splats_antimatter() in ranges.
+[[nodiscard]] OpenedSplatRows open_antimatter_rows(std::span<const std::byte> bytes, const WorldBudget& budget);
 
 /// Imports PlayCanvas compressed PLY (SuperSplat): chunks of 256 splats, 16 bytes per splat. The axes are right, down,
 /// forward. A truncated file gives its complete splats.
 [[nodiscard]] ImportedVectors import_splats_compressed_ply(std::span<const std::byte> bytes,
                                                            const WorldBudget& budget = own_budget());
+/// Opens a file for import_splats_compressed_ply() in ranges. Charges an ASCII file to `budget` before it is refused.
+[[nodiscard]] OpenedSplatRows open_compressed_ply_rows(std::span<const std::byte> bytes, const WorldBudget& budget);
 /// Returns true if a PLY file has the elements and properties of PlayCanvas compressed PLY.
 [[nodiscard]] bool is_splats_compressed_ply(std::span<const std::byte> bytes);
 
