@@ -2,7 +2,7 @@
 // and on a worker.
 //
 // changing_bench [TRIANGLES] [FRAMES]
-#include "app/session/documents/world_runtime.h"
+#include "app/session/running/world_runtime.h"
 #include "render/rays/item_bvh.h"
 #include "render/scene/late_meshes.h"
 #include "vrml/syntax/parser.h"

@@ -15,7 +15,7 @@ A world that fails is kept as FOLDER/hostile/SEED.world, with the report in SEED
   1. `hostile_scripts --minimise SEED.world` writes the shortest world with the same fault to SEED.world.min.
   2. `hostile_scripts --play SEED.world.min` runs it in one process, for a debugger.
   3. Fix the fault, and move the short world to tests/fuzz/corpus/app/script_worlds/ under a name that says what it is.
-The same seed gives the same world as long as the generator (tests/fuzz/script_grammar.cpp, script_worlds.cpp) is the same.
+The same seed gives the same world as long as the generator (tests/fuzz/scripts/script_grammar.cpp, script_worlds.cpp) is the same.
 Times-out depend on the machine: repeat a fault that appears once. Exit status 1 means that worlds failed.
 TEXT
 }

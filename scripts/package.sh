@@ -38,6 +38,6 @@ examine zsh -n $made/ghostspace.zsh
 examine fish --no-execute $made/ghostspace.fish
 
 if [ -n "$check" ]; then
-  "$root/scripts/package_check.sh" "$package" "$check"
+  "$root/scripts/checks/package_check.sh" "$package" "$check"
 fi
 sha256sum "$package"

@@ -20,7 +20,7 @@ if command -v Xvfb >/dev/null && command -v xdotool >/dev/null; then
   rm -f build/tsan/window-report.*
   # A slow window may miss a step of the check; only reports of races count.
   TSAN_OPTIONS="$TSAN_OPTIONS log_path=$root/build/tsan/window-report" GHOSTSPACE=build/tsan/ghostspace \
-    scripts/window_check.py || true
+    scripts/checks/window_check.py || true
   if compgen -G 'build/tsan/window-report.*' >/dev/null; then
     cat build/tsan/window-report.*
     exit 1

@@ -61,6 +61,8 @@ report "Libraries never print, exit or abort:" \
 report "What is printed goes through app/base/console.cpp, which keeps controls off the terminal:" \
   "$(sources app | grep -vE '^app/(base/console.cpp$|insitu/examples/)' | xargs -r grep -nE 'std::(cout|cerr|clog)|[^a-z_](printf|fprintf|vfprintf|puts|fputs|fwrite|perror)\(')"
 report "Non-ASCII source:" "$(sources app vrml qnv net render base tests bench | xargs -r grep -nP '[^\x00-\x7F]')"
+report "Folders have more than 25 files:" "$(find app vrml qnv net render base tests bench scripts -type f -not -path 'tests/*/corpus/*' \
+  -regex '.*\.\(h\|cpp\|inc\|py\|sh\)' -printf '%h\n' | sort | uniq -c | awk '$1 > 25 { print $2 ": " $1 }')"
 report "Header without #pragma once:" \
   "$(sources app vrml qnv net render base | grep '\.h$' | xargs -r grep -L '#pragma once')"
 report "Names in anonymous namespaces clash in unity builds of their room:" \

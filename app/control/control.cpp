@@ -1,6 +1,6 @@
 #include "app/control/control.h"
 
-#include "app/session/documents/world_runtime.h"
+#include "app/session/running/world_runtime.h"
 
 #include <algorithm>
 #include <chrono>
@@ -10,7 +10,7 @@ namespace gs::app {
 namespace {
 
 constexpr std::size_t kMaxSeen = 20'000;  // max number of watched events that are not sent yet
-constexpr std::size_t kMaxId = 256;  // max length of the id of a call, in bytes
+constexpr std::size_t kMaxId = 256;       // max length of the id of a call, in bytes
 
 // Error codes of JSON-RPC 2.0, 5.1.
 enum class RpcError : int {

@@ -1,7 +1,7 @@
 #include "app/control/control.h"
 #include "app/control/services.h"
 #include "app/script/run_time_nodes.h"
-#include "app/session/documents/world_runtime.h"
+#include "app/session/running/world_runtime.h"
 
 #include <algorithm>
 

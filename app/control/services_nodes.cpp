@@ -1,6 +1,6 @@
 #include "app/control/control.h"
 #include "app/control/services.h"
-#include "app/session/documents/world_runtime.h"
+#include "app/session/running/world_runtime.h"
 
 #include <limits>
 

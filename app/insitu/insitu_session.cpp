@@ -82,8 +82,11 @@ std::variant<SessionOptions, std::string> session_options(const gs_insitu_option
     return "the error is 0; expected an error or a relative_error above 0";
   result.error = options.error;
   result.relative_error = options.relative_error;
-  if (!(options.max_share >= 0) || !(options.max_share <= 1)) return "max_share is invalid; expected 0 to 1";
-  result.max_share = options.max_share;
+  const bool usual = options.max_share == GS_INSITU_USUAL_SHARE;
+  if (!usual && (!(options.max_share >= 0) || !(options.max_share <= 1)))
+    return "max_share is invalid; expected 0 to 1, or GS_INSITU_USUAL_SHARE";
+  constexpr double kServedShare = 0.02;
+  result.max_share = !usual ? options.max_share : result.serve && result.folder.empty() ? kServedShare : 0;
   if (options.every < 1) return "every is " + std::to_string(options.every) + "; expected 1 or more";
   result.every = options.every;
   result.max_memory = std::max<std::uint64_t>(options.max_memory, 1);
@@ -101,20 +104,17 @@ std::variant<std::unique_ptr<InSituSession>, std::string> InSituSession::open(
   std::unique_ptr<InSituSession> made(new InSituSession(options, communicator));
   OpenResult result;
   if (made->ranks_.is_first()) {
-    auto started = Publisher::start({options.folder,
-                                     options.serve,
-                                     options.port,
-                                     options.bind,
-                                     options.token_file,
-                                     options.live_file,
-                                     options.title,
-                                     {[session = made.get()] { return session->share_permits(); },
-                                      [session = made.get()](double seconds, std::size_t bytes) {
-                                        const std::lock_guard lock(session->shared_.mutex);
-                                        session->shared_.own_seconds += seconds;
-                                        session->shared_.stream_bytes += bytes;
-                                      }}},
-                                    made->parameters_);
+    auto started = Publisher::start(
+        {options.folder,
+         options.serve,
+         options.port,
+         options.bind,
+         options.token_file,
+         options.live_file,
+         options.title,
+         {[session = made.get()] { return session->share_permits(); },
+          [session = made.get()](double overview, std::size_t bytes) { session->charge_server(overview, bytes); }}},
+        made->parameters_);
     if (auto* problem = std::get_if<std::string>(&started)) {
       result.failed = 1;
       std::copy_n(problem->data(), std::min(problem->size(), result.message.size() - 1), result.message.data());
@@ -156,7 +156,7 @@ int InSituSession::begin_step(std::int64_t step, double time) {
   if (open_step_) return fail(GS_INSITU_INVALID, "the previous step has not ended; call gs_insitu_end_step() first");
   const std::int64_t number = steps_++;
   if (number < next_contact_) return GS_INSITU_SKIPPED;
-  step_began_ = own();
+  const Clock::time_point begun = Clock::now();
   const OwnTime timer(shared_);
   StepDecision decision;
   if (ranks_.is_first()) {
@@ -193,6 +193,7 @@ int InSituSession::begin_step(std::int64_t step, double time) {
   open_step_ = true;
   step_ = step;
   time_ = time;
+  step_cost_ = std::chrono::duration<double>(Clock::now() - begun).count();
   return GS_INSITU_OK;
 }
 
@@ -324,7 +325,13 @@ int InSituSession::end_step() {
   }
   clear_step();
   timer.reset();
-  if (ranks_.is_first() && !options_.background) pace_.note_cost(own() - step_began_, grid_bytes);
+  step_cost_ += std::chrono::duration<double>(Clock::now() - ended).count();
+  if (ranks_.is_first() && !options_.background) {
+    // Viewers request the overview of each kept step.
+    const std::lock_guard lock(shared_.mutex);
+    pace_.note_cost(step_cost_ + (data.served ? shared_.overview_seconds : 0), grid_bytes);
+    shared_.reserve = pace_.cost();
+  }
   log_messages();
   return GS_INSITU_OK;
 }

@@ -1,15 +1,15 @@
 #pragma once
 
-#include "app/insitu/grid_parts.h"
-#include "app/insitu/kept_field.h"
+#include "app/insitu/arrays/grid_parts.h"
+#include "app/insitu/arrays/kept_field.h"
+#include "app/insitu/arrays/particle_parts.h"
+#include "app/insitu/arrays/ranks.h"
+#include "app/insitu/arrays/step_plan.h"
+#include "app/insitu/arrays/surface_parts.h"
 #include "app/insitu/parameters.h"
-#include "app/insitu/particle_parts.h"
 #include "app/insitu/publisher.h"
-#include "app/insitu/ranks.h"
 #include "app/insitu/step_pace.h"
-#include "app/insitu/step_plan.h"
 #include "app/insitu/step_streams.h"
-#include "app/insitu/surface_parts.h"
 #include "base/noncopyable.h"
 
 #include <chrono>
@@ -78,6 +78,8 @@ class InSituSession : NonCopyable {
   [[nodiscard]] bool keep_step(const StepPlan& plan, StepData& data);
   [[nodiscard]] bool send_chunks(std::span<const WantedChunk> wanted);
   [[nodiscard]] bool share_permits() const;
+  /// Charges the processor time of the server's thread, which calls this.
+  void charge_server(double overview, std::size_t bytes);
   void choose_fields(std::span<const RankFacts> all);
   void encode_and_publish(const StepData& data, Clock::time_point ended);
   void start_background(StepData data, Clock::time_point ended);
@@ -104,12 +106,15 @@ class InSituSession : NonCopyable {
   std::vector<ParticlesView> particles_;
   std::uint64_t taken_ = 0, peak_bytes_ = 0;
   double slowest_own_ = 0;  // own time of the slowest rank, as far as rank 0 knows
-  double step_began_ = 0;   // own time when the step began
+  double step_cost_ = 0;    // wall time in the calls of the open step
 
   /// State shared with the background thread.
   struct Shared {
     mutable std::mutex mutex;
     double own_seconds = 0, last_seconds = 0, cost = 0, max_error = 0;
+    double server_seconds = 0;    // processor time of the server's thread that is part of `own_seconds`
+    double overview_seconds = 0;  // processor time of the last chunk of an overview
+    double reserve = 0;           // cost of the next step, which chunks below the overview leave unused
     std::uint64_t cost_bytes = 0;
     bool cost_is_new = false;
     std::uint64_t stream_bytes = 0;

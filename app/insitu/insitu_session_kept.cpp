@@ -1,4 +1,5 @@
 // Grids that ranks keep, and chunks of them that viewers request.
+#include "app/insitu/bricks/thread_time.h"
 #include "app/insitu/insitu_session.h"
 
 #include <algorithm>
@@ -15,7 +16,19 @@ struct KeptFacts {
 
 }  // namespace
 
-bool InSituSession::share_permits() const { return options_.max_share <= 0 || own() <= options_.max_share * now(); }
+bool InSituSession::share_permits() const {
+  if (options_.max_share <= 0) return true;
+  const std::lock_guard lock(shared_.mutex);
+  return shared_.own_seconds + shared_.reserve <= options_.max_share * now();
+}
+
+void InSituSession::charge_server(double overview, std::size_t bytes) {
+  const double used = thread_seconds();
+  const std::lock_guard lock(shared_.mutex);
+  shared_.own_seconds += used - std::exchange(shared_.server_seconds, used);
+  if (overview > 0) shared_.overview_seconds = overview;
+  shared_.stream_bytes += bytes;
+}
 
 StepPlan InSituSession::make_plan(std::span<const RankFacts> all) {
   const std::string chosen = parameters_.field();
@@ -76,7 +89,8 @@ bool InSituSession::keep_step(const StepPlan& plan, StepData& data) {
   served.thinning = plan.kept_thinning;
   served.max_error = bound.of(whole.range);
   // Rounds to a quarter of the remaining error, because gradients in viewers would show larger steps.
-  served.rounding = std::max(static_cast<float>(served.max_error) - whole.error, 0.0F) / 4;
+  served.grid.rounding = std::max(static_cast<float>(served.max_error) - whole.error, 0.0F) / 4;
+  served.grid.codes = rounded_scale(whole.range, served.grid.rounding);
   served.grid.field = plan.kept_field.name.data();
   served.grid.unit = plan.kept_field.unit.data();
   for (std::size_t a = 0; a < 3; ++a) {

@@ -1,6 +1,6 @@
 #include "app/insitu/step_streams.h"
 
-#include "app/insitu/value_colors.h"
+#include "app/insitu/arrays/value_colors.h"
 #include "qnv/codecs/encode.h"
 
 #include <algorithm>

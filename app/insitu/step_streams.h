@@ -1,9 +1,9 @@
 #pragma once
 
+#include "app/insitu/arrays/grid_parts.h"
+#include "app/insitu/arrays/particle_parts.h"
+#include "app/insitu/arrays/surface_parts.h"
 #include "app/insitu/bricks/brick_shelf.h"
-#include "app/insitu/grid_parts.h"
-#include "app/insitu/particle_parts.h"
-#include "app/insitu/surface_parts.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "app/interface/base/ui_model.h"
 #include "app/interface/dock/dock.h"
+#include "app/interface/model/ui_model.h"
 #include "app/settings/app_state.h"
 #include "app/view/actions.h"
 #include "app/view/viewports.h"

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "app/interface/base/ui_model.h"
 #include "app/interface/base/ui_style.h"
 #include "app/interface/base/viewport_area.h"
+#include "app/interface/model/ui_model.h"
 
 #include <cstddef>
 #include <string>

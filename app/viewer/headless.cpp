@@ -2,7 +2,7 @@
 
 #include "app/base/console.h"
 #include "app/desktop/end_signals.h"
-#include "app/session/documents/world_runtime.h"
+#include "app/session/running/world_runtime.h"
 #include "app/viewer/offscreen.h"
 
 #include <algorithm>

@@ -6,10 +6,10 @@
 #include "app/session/session.h"
 #include "app/settings/settings_store.h"
 #include "app/view/actions.h"
-#include "app/viewer/session_record.h"
-#include "app/viewer/view_bookmarks.h"
+#include "app/viewer/saving/session_record.h"
+#include "app/viewer/saving/view_bookmarks.h"
+#include "app/viewer/saving/world_saver.h"
 #include "app/viewer/viewer_splats.h"
-#include "app/viewer/world_saver.h"
 
 #include <array>
 #include <cstddef>

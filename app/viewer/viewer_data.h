@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/interface/base/ui_data.h"
+#include "app/interface/model/ui_data.h"
 #include "app/session/session.h"
 
 namespace gs::app {

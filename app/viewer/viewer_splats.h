@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/interface/base/ui_splats.h"
+#include "app/interface/model/ui_splats.h"
 #include "app/session/session.h"
 #include "app/view/viewports.h"
 #include "base/noncopyable.h"

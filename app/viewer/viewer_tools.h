@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/interface/base/ui_model.h"
+#include "app/interface/model/ui_model.h"
 #include "app/picture/animation.h"
 #include "app/picture/frame_writer.h"
 #include "app/picture/paint.h"

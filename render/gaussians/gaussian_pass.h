@@ -1,6 +1,7 @@
 #pragma once
 
 #include "render/gaussians/gaussian_gl.h"
+#include "render/gaussians/gaussian_levels.h"
 #include "render/gl/gpu.h"
 #include "render/scene/camera.h"
 #include "render/scene/draw_options.h"
@@ -24,16 +25,17 @@ class GaussianPass {
  public:
   explicit GaussianPass(const Gl& gl, SortMethod sort = SortMethod::automatic);
 
-  /// Draws the Gaussians. Call it after all opaque content. `camera` must have near and far planes. Leaves blending and
-  /// the depth test off, and depth writes on.
+  /// Draws the Gaussians. Call it after all opaque content; `any_opaque` is false if there is none. `camera` must have
+  /// near and far planes. Leaves blending and the depth test off, and depth writes on.
   void draw(const RenderList& list, const Camera& camera, const Projection& projection, const DrawOptions& options,
-            FrameStatistics& statistics);
+            FrameStatistics& statistics, bool any_opaque = true);
 
   /// Returns the method that sorted for the last OpenGL image.
   [[nodiscard]] SortMethod sorted_by() const { return gaussian_gl_.sorted_by(); }
 
  private:
   const Gl& gl_;
+  GaussianLevels levels_;
   VolumeTarget target_;
   GaussianGl gaussian_gl_;
   TargetDepths depths_;

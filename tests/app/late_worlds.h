@@ -2,7 +2,7 @@
 
 #include "app/loading/world_loader.h"
 #include "app/loading/world_loading.h"
-#include "app/session/documents/world_runtime.h"
+#include "app/session/running/world_runtime.h"
 #include "tests/net/memory_network.h"
 #include "vrml/syntax/parser.h"
 

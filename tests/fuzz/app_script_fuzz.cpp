@@ -6,7 +6,7 @@
 #include "app/session/session.h"
 #include "app/simulation/simulation.h"
 #include "tests/fuzz/app_targets.h"
-#include "tests/fuzz/script_worlds.h"
+#include "tests/fuzz/scripts/script_worlds.h"
 #include "tests/net/memory_network.h"
 #include "vrml/syntax/printer.h"
 

@@ -1,5 +1,5 @@
 // Runs generated worlds with hostile Scripts, each in an own process. See script_worlds.h and usage().
-#include "tests/fuzz/script_worlds.h"
+#include "tests/fuzz/scripts/script_worlds.h"
 
 #include <fcntl.h>
 #include <sys/resource.h>
@@ -43,7 +43,7 @@ void write_file(const fs::path& path, std::string_view text) {
 }
 
 struct Outcome {
-  std::string kind;  // kind of fault; empty if the world passed
+  std::string kind;    // kind of fault; empty if the world passed
   std::string report;  // standard error of the process
 };
 

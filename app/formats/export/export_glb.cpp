@@ -1,10 +1,10 @@
 #include "app/formats/common/byte_order.h"
-#include "app/formats/common/glb.h"
 #include "app/formats/common/ranges.h"
 #include "app/formats/common/scene_builder.h"
 #include "app/formats/export/export.h"
 #include "app/formats/export/export_glb_mesh.h"
 #include "app/formats/export/export_vectors.h"
+#include "app/formats/gltf/glb.h"
 #include "app/formats/splats/splats.h"
 
 #include <nlohmann/json.hpp>

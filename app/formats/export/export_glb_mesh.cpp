@@ -1,6 +1,6 @@
 #include "app/formats/export/export_glb_mesh.h"
 #include "app/formats/common/byte_order.h"
-#include "app/formats/common/glb.h"
+#include "app/formats/gltf/glb.h"
 
 #include <nlohmann/json.hpp>
 

@@ -1,5 +1,5 @@
 #include "app/formats/gltf/gltf_load.h"
-#include "app/formats/common/glb.h"
+#include "app/formats/gltf/glb.h"
 #include "base/text.h"
 
 #include <nlohmann/json.hpp>

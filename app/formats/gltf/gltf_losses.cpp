@@ -1,7 +1,7 @@
 #include "app/formats/gltf/gltf_losses.h"
 
 #include "app/formats/common/byte_order.h"
-#include "app/formats/common/glb.h"
+#include "app/formats/gltf/glb.h"
 #include "base/text.h"
 
 #include <nlohmann/json.hpp>

@@ -36,6 +36,8 @@ inline constexpr char kThickSplats[] = "splats not discs";
 inline constexpr float kMinOpacity = 1.0f / 255;
 /// Maximum ratio of the smallest to the middle standard deviation of a splat that counts as a disc.
 inline constexpr float kMaxDiscThickness = 0.3f;
+/// Number of splats in a run. Files are read in runs, and areas are summed by run, so that both sums are equal.
+inline constexpr std::size_t kSplatRun = std::size_t{1} << 15;
 /// Memory in bytes to convert one splat: as read, and as converted.
 inline constexpr std::size_t kSplatMemory = 190;
 

@@ -35,6 +35,7 @@ static example example_begin(int argc, char** argv, int size) {
   e.steps = 1000;
   e.every = 1;
   e.ranks = 1;
+  e.share = GS_INSITU_USUAL_SHARE;
   for (i = 1; i < argc; ++i) {
     const char* value = i + 1 < argc ? argv[i + 1] : "";
     if (!strcmp(argv[i], "--serve"))

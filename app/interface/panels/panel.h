@@ -1,7 +1,7 @@
 #pragma once
 
-#include "app/interface/base/ui_model.h"
 #include "app/interface/base/ui_style.h"
+#include "app/interface/model/ui_model.h"
 #include "base/noncopyable.h"
 
 #include <memory>

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "app/loading/content/outline_reader.h"
-#include "app/loading/content/resource_handler.h"
 #include "app/loading/content/scene_context.h"
+#include "app/loading/resources/outline_reader.h"
+#include "app/loading/resources/resource_handler.h"
 
 #include <memory>
 #include <optional>

@@ -4,7 +4,7 @@
 #include "app/loading/world_loading.h"
 #include "app/session/documents/splat_edits.h"
 #include "app/session/documents/world_edits.h"
-#include "app/session/documents/world_runtime.h"
+#include "app/session/running/world_runtime.h"
 #include "qnv/base/description.h"
 #include "render/scene/render_list.h"
 

@@ -2,7 +2,7 @@
 // them, and meshes that are dropped.
 #include "render/scene/late_meshes.h"
 
-#include "app/session/documents/world_runtime.h"
+#include "app/session/running/world_runtime.h"
 #include "tests/app/worlds.h"
 #include "vrml/syntax/parser.h"
 

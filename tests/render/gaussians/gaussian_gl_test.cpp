@@ -207,6 +207,32 @@ TEST_CASE("hides Gaussians behind polygons with OpenGL, and veils polygons by th
     });
 }
 
+TEST_CASE(
+    "composites Gaussians of the processor without depths if nothing opaque is drawn, with any number of samples") {
+  const RenderList list = list_of(scene(60, 1, 9));
+  for (const int samples : {1, 4}) {
+    Picture picture(SortMethod::thread, samples);
+    picture.look({0, 0, 9});
+    const Pixels wanted = picture.drawn(list, SplatPath::cpu);
+    picture.clear(kSky, 25);
+    picture.gaussians->draw(list, picture.camera, picture.projection(), picture.options, picture.statistics, false);
+    const Pixels drawn = picture.read();
+    CHECK(drawn == wanted);
+    CHECK(!plain(drawn, kSky));
+    // A smaller part of the picture, which reuses the larger texture.
+    picture.clear(kSky, 25);
+    picture.options.x = 30;
+    picture.options.width = 40;
+    picture.options.height = 50;
+    picture.gaussians->draw(list, picture.camera, picture.projection(), picture.options, picture.statistics, false);
+    const Pixels part = picture.read();
+    picture.clear(kSky, 25);
+    picture.gaussians->draw(list, picture.camera, picture.projection(), picture.options, picture.statistics);
+    CHECK(part == picture.read());
+    CHECK(part != drawn);
+  }
+}
+
 TEST_CASE("draws Gaussians with reversed depth and with several samples without polygons, with OpenGL") {
   check_same(list_of(scene(300, 0, 2)), {0, 0, 3}, 4);
   Picture picture(SortMethod::thread, 4);

@@ -32,7 +32,7 @@ TEST_CASE("in situ container: other paths are no parts of a container") {
 }
 
 TEST_CASE("in situ container: the metadata name shapes, spacings and units") {
-  ZarrGrid grid{"heat \"1\"", "K", {1, 2, 3}, {0.5, 0.25, 2}};
+  ZarrGrid grid{"heat \"1\"", "K", {1, 2, 3}, {0.5, 0.25, 2}, {}, 0};
   const Pyramid pyramid({128, 64, 100});
   const std::string group = zarr_group(pyramid, grid), level = zarr_level(pyramid, grid, 1);
   CHECK(group.find("\"multiscales\"") != std::string::npos);
@@ -40,11 +40,22 @@ TEST_CASE("in situ container: the metadata name shapes, spacings and units") {
   CHECK(group.find("heat \\\"1\\\"") != std::string::npos);
   CHECK(level.find("\"units\": \"K\"") != std::string::npos);
   CHECK(level.find("\"float32\"") != std::string::npos);
+  grid.codes = {5, 0.25f};
+  const std::string coded = zarr_level(pyramid, grid, 1);
+  for (const char* const part : {"\"int16\"", "numcodecs.delta", "\"scale_factor\": 0.25", "\"add_offset\": 5.0"}) {
+    INFO(part);
+    CHECK(coded.find(part) != std::string::npos);
+  }
 }
 
 TEST_CASE("in situ container: equal values need few bytes") {
   std::vector<float> values(64 * 64 * 64, 1.5f);
-  CHECK(encode_chunk(values, 0.1f).size() < 1000);
+  ZarrGrid grid;
+  ChunkEncoder encoder;
+  grid.rounding = 0.1f;
+  CHECK(encoder.encode(values, grid).size() < 1000);
+  grid.codes = rounded_scale({1.5f, 1.5f}, 0.1f);
+  CHECK(encoder.encode(values, grid).size() < 1000);
 }
 
 }  // namespace zarr_container_test

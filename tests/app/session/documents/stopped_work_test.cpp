@@ -1,7 +1,7 @@
 // Tests of work for hostile worlds that the user stops.
 #include "app/base/world_work.h"
 #include "app/script/process/program_process.h"
-#include "app/session/documents/world_runtime.h"
+#include "app/session/running/world_runtime.h"
 #include "tests/app/program.h"
 #include "vrml/syntax/parser.h"
 

@@ -1,0 +1,62 @@
+#include "app/insitu/arrays/ranks.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace gs::app::insitu {
+namespace {
+
+constexpr int kInsituTag = 4711;
+
+}  // namespace
+
+Ranks::Ranks(const gs_insitu_communicator* table) {
+  if (!table) return;
+  std::memcpy(&table_, table, std::min(table->size, sizeof table_));
+  rank_ = table_.rank;
+  count_ = table_.ranks;
+}
+
+bool Ranks::note(int result) {
+  failed_ = failed_ || result != 0;
+  return !failed_;
+}
+
+bool Ranks::broadcast(void* data, std::size_t bytes) {
+  if (failed_) return false;
+  if (count_ == 1) return true;
+  if (is_first()) sent_ += bytes;
+  return note(table_.broadcast(table_.context, data, bytes, 0));
+}
+
+bool Ranks::gather(const void* data, std::size_t bytes, void* all) {
+  if (failed_) return false;
+  if (count_ == 1) {
+    std::memcpy(all, data, bytes);
+    return true;
+  }
+  if (!is_first()) sent_ += bytes;
+  return note(table_.gather(table_.context, data, bytes, all, 0));
+}
+
+bool Ranks::send(const void* data, std::size_t bytes) {
+  if (failed_) return false;
+  sent_ += bytes;
+  return note(table_.send(table_.context, data, bytes, 0, kInsituTag));
+}
+
+bool Ranks::receive(void* data, std::size_t bytes, int from) {
+  if (failed_) return false;
+  return note(table_.receive(table_.context, data, bytes, from, kInsituTag));
+}
+
+const char* check_communicator(const gs_insitu_communicator& table) {
+  if (table.size < sizeof(gs_insitu_communicator)) return "the size of the communicator is wrong; set `size` to sizeof";
+  if (table.ranks < 1 || table.rank < 0 || table.rank >= table.ranks)
+    return "the communicator has no such rank; expected 0 <= rank < ranks";
+  if (table.ranks > 1 && !(table.broadcast && table.gather && table.barrier && table.send && table.receive))
+    return "the communicator lacks a function; expected all five";
+  return nullptr;
+}
+
+}  // namespace gs::app::insitu
