@@ -1,7 +1,6 @@
 #pragma once
 
 #include "app/formats/common/asset.h"
-#include "app/formats/common/splat_rows.h"
 #include "app/formats/common/upright.h"
 
 #include "vrml/scene/x3d/language.h"
@@ -11,8 +10,12 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 
 namespace gs::app {
+
+struct SplatRows;
+using OpenedSplatRows = std::variant<SplatRows, std::string>;
 
 /// Class of a file's content. Decides how the file is read.
 enum class ContentClass : std::uint8_t {
