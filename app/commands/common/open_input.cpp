@@ -291,16 +291,17 @@ std::optional<OpenedInput> open_input(const InputOptions& options, const std::st
 
 std::optional<SplatSurvey> survey_many_splats(const std::string& path, qnv::Ranks& ranks) {
   const auto file = mapped_input(path);
-  return survey_splats(file ? file->bytes() : std::span<const std::byte>(), qnv::kMostWholeGaussians,
-                       [file](std::size_t bytes) { file->put_aside(bytes); }, ranks);
+  return survey_splats(
+      local_input(path), file ? file->bytes() : std::span<const std::byte>(), qnv::kMostWholeGaussians,
+      [file](std::size_t bytes) { file->put_aside(bytes); }, ranks);
 }
 
 std::optional<OpenedInput> open_many_splats(const std::string& path, const SplatSurvey* known) {
   const std::string local = local_input(path);
   const auto file = mapped_input(path);
   if (!file) return std::nullopt;
-  auto splats = open_splat_file(file->bytes(), qnv::kMostWholeGaussians,
-                                [file](std::size_t bytes) { file->put_aside(bytes); }, known);
+  auto splats = open_splat_file(
+      local, file->bytes(), qnv::kMostWholeGaussians, [file](std::size_t bytes) { file->put_aside(bytes); }, known);
   if (!splats) return std::nullopt;
   const ContentType& type = content_type_of(local, first_bytes(file->bytes()));
   OpenedInput input{{}, std::string(type.name), file_name(local), file->bytes().size(), {}, {}, file};

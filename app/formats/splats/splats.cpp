@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace gs::app {
 namespace {
@@ -171,7 +172,9 @@ qnv::Gaussians vectors_of_splats(const SplatModel& model) {
   const std::size_t per = qnv::harmonic_count(model.degree);
   splats.harmonics.reserve(per * model.size());
   const std::array<float, 15> signs = harmonic_signs(model.axes);
+  double area = 0;  // of the present run
   for (std::size_t i = 0; i < model.size(); ++i) {
+    if (i % kSplatRun == 0) description.total += std::exchange(area, 0.0);
     Disc disc = disc_of(model, i);
     if (disc.fate != Disc::Fate::kept) {
       ++(disc.fate == Disc::Fate::faint ? faint : broken);
@@ -193,8 +196,9 @@ qnv::Gaussians vectors_of_splats(const SplatModel& model) {
     splats.bases.push_back(0.5f + kSphericalHarmonic0 * coefficient_of(model.dc[i]));
     for (std::size_t k = 0; k < per; ++k)
       splats.harmonics.push_back(coefficient_of(model.coefficients[i * per + k]) * signs[k]);
-    description.total += disc.area;
+    area += static_cast<double>(disc.area);
   }
+  description.total += area;
   set_places(splats, places);
   if (!all_flat && !splats.empty()) {
     const glm::vec3 middle = description.box.lower + description.box.size() * 0.5f;
@@ -222,6 +226,15 @@ ImportedVectors import_result(const SplatModel& model) {
       std::ranges::all_of(splats.scales, [](const glm::vec3& s) { return s.z <= kFlatDisc * std::min(s.x, s.y); });
   if (discs) return static_cast<qnv::Splats&&>(splats);
   return splats;
+}
+
+ImportedVectors import_rows(const OpenedSplatRows& opened, const WorldBudget& budget) {
+  if (const auto* const problem = std::get_if<std::string>(&opened)) return *problem;
+  const SplatRows& rows = std::get<SplatRows>(opened);
+  SplatModel model;
+  if (auto problem = rows.read(0, rows.count, budget, model)) return std::move(*problem);
+  model.announced = static_cast<std::size_t>(std::min<std::uint64_t>(rows.announced, SIZE_MAX));
+  return import_result(model);
 }
 
 }  // namespace gs::app

@@ -174,6 +174,28 @@ TEST_CASE("names what formats without opacity lose of Gaussians") {
   CHECK(std::get<Bytes>(plain) == std::get<Bytes>(whole));
 }
 
+TEST_CASE("names the loss of antialiased drawing, and the rounding of harmonics only if there are any") {
+  Gaussians splats = random_gaussians(5, 1);
+  splats.antialiased = true;
+  const auto losses_of = [&](const char* path) {
+    std::string text;
+    for (const std::string& loss : export_losses(*export_format_of(path), qnv::Geometry(splats))) text += loss + "\n";
+    return text;
+  };
+  for (const char* path : {"a.ply", "a.3dgs.ply"}) CHECK(losses_of(path).empty());
+  for (const char* path : {"a.spz", "a.v3.spz", "a.sog"}) {
+    CHECK(losses_of(path).find("harmonics") != std::string::npos);
+    CHECK(losses_of(path).find("antialiased") == std::string::npos);
+  }
+  CHECK(losses_of("a.splats.glb").find("antialiased drawing (Mip-Splatting) is left out") != std::string::npos);
+  splats.degree = 0;
+  splats.harmonics.clear();
+  for (const char* path : {"a.spz", "a.v3.spz", "a.sog"}) {
+    CHECK(losses_of(path).find(" rounds splats: ") != std::string::npos);
+    CHECK(losses_of(path).find("harmonics") == std::string::npos);
+  }
+}
+
 TEST_CASE("reads the harmonics of a compressed PLY file in its steps") {
   // Red has 0, 255 and 127; green 128, 64 and 192; blue 1, 2 and 3.
   const Bytes bytes = compressed_ply(0x80808080u, {0, 255, 127, 128, 64, 192, 1, 2, 3});
