@@ -15,6 +15,7 @@ Ranks::Ranks(const gs_insitu_communicator* table) {
   std::memcpy(&table_, table, std::min(table->size, sizeof table_));
   rank_ = table_.rank;
   count_ = table_.ranks;
+  if (is_first()) agreed_.resize(static_cast<std::size_t>(count_));
 }
 
 bool Ranks::note(int result) {
@@ -48,6 +49,17 @@ bool Ranks::send(const void* data, std::size_t bytes) {
 bool Ranks::receive(void* data, std::size_t bytes, int from) {
   if (failed_) return false;
   return note(table_.receive(table_.context, data, bytes, from, kInsituTag));
+}
+
+bool Ranks::agree(bool own, bool& all) {
+  all = own;
+  if (count_ == 1) return !failed_;
+  std::uint32_t flag = own ? 1 : 0;
+  if (!gather(&flag, sizeof flag, agreed_.data())) return false;
+  if (is_first()) flag = std::ranges::count(agreed_, 1U) == count_ ? 1 : 0;
+  if (!broadcast(flag)) return false;
+  all = flag != 0;
+  return true;
 }
 
 const char* check_communicator(const gs_insitu_communicator& table) {

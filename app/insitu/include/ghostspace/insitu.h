@@ -18,7 +18,7 @@ extern "C" {
 #endif
 
 /* Version of this interface. A library of version N accepts programs that were compiled with an older version. */
-#define GS_INSITU_VERSION 2
+#define GS_INSITU_VERSION 3
 
 #if defined(__GNUC__)
 #define GS_INSITU_API __attribute__((visibility("default")))
@@ -176,6 +176,7 @@ typedef struct gs_insitu_statistics {
   double max_error;  /* maximum error of the last taken step as its streams state it, in the unit of values (rank 0) */
   uint32_t thinning; /* the last taken step has every n-th point per axis; 1 means all (rank 0) */
   uint32_t reserved;
+  double processor_seconds; /* processor time of the library on this rank, on all of its threads. Since version 3 */
 } gs_insitu_statistics;
 
 typedef struct gs_insitu gs_insitu;
