@@ -37,18 +37,19 @@ std::string text_or(const char* text, const char* fallback) { return text && *te
 
 class InSituSession::OwnTime {
  public:
-  explicit OwnTime(Shared& shared) : shared_(shared) {}
+  explicit OwnTime(InSituSession& session) : session_(session), shared_(session.shared_) {}
   OwnTime(const OwnTime&) = delete;
   OwnTime& operator=(const OwnTime&) = delete;
   ~OwnTime() {
     const std::lock_guard lock(shared_.mutex);
-    shared_.own_seconds += std::chrono::duration<double>(Clock::now() - began_).count();
+    shared_.own_seconds += session_.spent() - began_;
     shared_.processor_seconds += thread_seconds() - processor_began_;
   }
 
  private:
+  InSituSession& session_;
   Shared& shared_;
-  const Clock::time_point began_ = Clock::now();
+  const double began_ = session_.spent();
   const double processor_began_ = thread_seconds();
 };
 
@@ -128,6 +129,8 @@ InSituSession::~InSituSession() { wait_for_background(); }
 
 double InSituSession::now() const { return std::chrono::duration<double>(Clock::now() - began_).count(); }
 
+double InSituSession::spent() const { return thread_seconds() + ranks_.blocked() + waited_; }
+
 double InSituSession::own() const {
   const std::lock_guard lock(shared_.mutex);
   return shared_.own_seconds;
@@ -153,8 +156,8 @@ int InSituSession::begin_step(std::int64_t step, double time) {
   if (open_step_) return fail(GS_INSITU_INVALID, "the previous step has not ended; call gs_insitu_end_step() first");
   const std::int64_t number = steps_++;
   if (number < next_contact_) return GS_INSITU_SKIPPED;
-  const Clock::time_point begun = Clock::now();
-  const OwnTime timer(shared_);
+  const double begun = spent();
+  const OwnTime timer(*this);
   StepDecision decision;
   decision.next_contact = number + 1;
   if (ranks_.is_first() && !ranks_.attempt("decide", [&] { decide(step, number, decision); })) {
@@ -172,7 +175,7 @@ int InSituSession::begin_step(std::int64_t step, double time) {
   open_step_ = true;
   step_ = step;
   time_ = time;
-  step_cost_ = std::chrono::duration<double>(Clock::now() - begun).count();
+  step_cost_ = spent() - begun;
   return GS_INSITU_OK;
 }
 
@@ -297,7 +300,8 @@ bool InSituSession::gather_step(const StepPlan& plan, StepData& data) {
 int InSituSession::end_step() {
   if (!open_step_) return fail(GS_INSITU_INVALID, "no step has begun; call gs_insitu_begin_step() first");
   const Clock::time_point ended = Clock::now();
-  std::optional<OwnTime> timer(std::in_place, shared_);
+  const double begun = spent();
+  std::optional<OwnTime> timer(std::in_place, *this);
   open_step_ = false;
   problem_ = nullptr;
   RankFacts facts;
@@ -330,7 +334,7 @@ int InSituSession::end_step() {
   }
   if (ranks_.is_first()) {
     if (options_.background) {
-      const double cost = std::chrono::duration<double>(Clock::now() - ended).count();
+      const double cost = spent() - begun;
       {
         const std::lock_guard lock(shared_.mutex);
         shared_.cost = cost;
@@ -338,12 +342,12 @@ int InSituSession::end_step() {
       }
       start_background(std::move(data), ended);
     } else {
-      encode_and_publish(data, ended);
+      waited_ += encode_and_publish(data, ended);
     }
   }
   clear_step();
   timer.reset();
-  step_cost_ += std::chrono::duration<double>(Clock::now() - ended).count();
+  step_cost_ += spent() - begun;
   if (ranks_.is_first() && !options_.background) {
     // Viewers request the overview of each kept step.
     const std::lock_guard lock(shared_.mutex);
@@ -360,7 +364,9 @@ void InSituSession::clear_step() {
   particles_.clear();
 }
 
-void InSituSession::encode_and_publish(const StepData& data, Clock::time_point ended) {
+// Returns the seconds in which the output blocked without using the processor.
+double InSituSession::encode_and_publish(const StepData& data, Clock::time_point ended) {
+  double waited = 0;
   std::vector<std::string> problems;
   std::uint64_t bytes = 0;
   double error = 0;
@@ -373,8 +379,12 @@ void InSituSession::encode_and_publish(const StepData& data, Clock::time_point e
       error = std::max(error, stream.max_error);
       thinning = std::max(thinning, stream.thinning);
     }
+    const Clock::time_point begun = Clock::now();
+    const double processor = thread_seconds();
     if (auto problem = publisher_->publish(data.step, data.time, std::move(streams)))
       problems.push_back(std::move(*problem));
+    const double passed = std::chrono::duration<double>(Clock::now() - begun).count();
+    waited = std::max(passed - (thread_seconds() - processor), 0.0);
   } catch (const std::bad_alloc&) {
     problems.emplace_back("not enough memory to encode step " + std::to_string(data.step));
   } catch (const std::exception& problem) {
@@ -386,6 +396,7 @@ void InSituSession::encode_and_publish(const StepData& data, Clock::time_point e
   shared_.max_error = error;
   shared_.thinning = thinning;
   std::ranges::move(problems, std::back_inserter(shared_.messages));
+  return waited;
 }
 
 void InSituSession::start_background(StepData data, Clock::time_point ended) {
@@ -396,7 +407,7 @@ void InSituSession::start_background(StepData data, Clock::time_point ended) {
   }
   const auto held = std::make_shared<StepData>(std::move(data));
   const auto work = [this, held, ended] {
-    encode_and_publish(*held, ended);
+    (void)encode_and_publish(*held, ended);
     const double used = thread_seconds();
     const std::lock_guard lock(shared_.mutex);
     shared_.own_seconds += used;
@@ -408,7 +419,7 @@ void InSituSession::start_background(StepData data, Clock::time_point ended) {
   try {
     background_ = std::thread(work);
   } catch (const std::system_error&) {
-    encode_and_publish(*held, ended);
+    waited_ += encode_and_publish(*held, ended);
     const std::lock_guard lock(shared_.mutex);
     shared_.busy = false;
   }

@@ -81,7 +81,7 @@ class InSituSession : NonCopyable {
 
  private:
   using Clock = std::chrono::steady_clock;
-  /// Adds the wall time of its scope to the library's own time.
+  /// Adds the time of its scope to the library's own time.
   class OwnTime;
 
   InSituSession(const SessionOptions& options, const gs_insitu_communicator* communicator)
@@ -91,6 +91,9 @@ class InSituSession : NonCopyable {
     kept_facts_.resize(facts_.size());
   }
   [[nodiscard]] double now() const;
+  /// Returns the processor time of the calling thread, plus the time in which the library blocked it. The time in which
+  /// other programs use the processor does not count.
+  [[nodiscard]] double spent() const;
   [[nodiscard]] double own() const;
   [[nodiscard]] RankFacts own_facts() const;
   [[nodiscard]] StepPlan make_plan(std::span<const RankFacts> all);
@@ -103,7 +106,7 @@ class InSituSession : NonCopyable {
   /// Charges the processor time of the server's thread, which calls this.
   void charge_server(double overview, std::size_t bytes);
   void choose_fields(std::span<const RankFacts> all);
-  void encode_and_publish(const StepData& data, Clock::time_point ended);
+  double encode_and_publish(const StepData& data, Clock::time_point ended);
   void start_background(StepData data, Clock::time_point ended);
   void wait_for_background();
   void clear_step();
@@ -132,7 +135,8 @@ class InSituSession : NonCopyable {
   std::vector<ParticlesView> particles_;
   std::uint64_t taken_ = 0, peak_bytes_ = 0;
   double slowest_own_ = 0;  // own time of the slowest rank, as far as rank 0 knows
-  double step_cost_ = 0;    // wall time in the calls of the open step
+  double step_cost_ = 0;    // time in the calls of the open step
+  double waited_ = 0;       // time in which the output blocked the calling thread
 
   /// State shared with the background thread.
   struct Shared {

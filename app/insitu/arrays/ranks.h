@@ -26,6 +26,9 @@ class Ranks {
   /// Returns the number of bytes that this rank sent.
   [[nodiscard]] std::uint64_t sent() const { return sent_; }
 
+  /// Returns the seconds in which functions of the caller blocked without using the processor.
+  [[nodiscard]] double blocked() const { return blocked_; }
+
   /// Copies the bytes of rank 0 to all ranks.
   bool broadcast(void* data, std::size_t bytes);
   template <class T>
@@ -58,11 +61,13 @@ class Ranks {
   void set_fault(std::function<void(const char* part)> fault) { fault_ = std::move(fault); }
 
  private:
-  bool note(int result);
+  template <class Call>
+  bool run(const Call& call);
 
   gs_insitu_communicator table_{};
   int rank_ = 0, count_ = 1;
   bool failed_ = false;
+  double blocked_ = 0;
   std::vector<std::uint32_t> agreed_;  // of each rank, on rank 0
   std::function<void(const char* part)> fault_;
   std::uint64_t sent_ = 0;
