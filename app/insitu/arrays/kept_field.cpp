@@ -174,38 +174,69 @@ void KeptField::pack(const Chunk& chunk, std::uint32_t number, std::vector<std::
   });
 }
 
+namespace {
+
+// Places the pieces of a message of another rank. Returns false if the message is malformed.
+bool place_pieces(std::span<const std::byte> message, std::span<const KeptField* const> kept,
+                  std::span<const Chunk> chunks, std::vector<std::vector<float>>& made) {
+  for (std::size_t at = 0; at < message.size();) {
+    PieceHeader piece;
+    if (message.size() - at < sizeof piece) return false;
+    std::memcpy(&piece, &message[at], sizeof piece);
+    at += sizeof piece;
+    if (piece.number >= chunks.size() || made[piece.number].empty()) return false;
+    const GridIndex shape = kept[piece.number]->pyramid().chunk_shape(chunks[piece.number].level);
+    const std::size_t value_bytes = piece.exact != 0 ? sizeof(float) : sizeof(std::int16_t);
+    if (!is_inside(piece, shape) || (message.size() - at) / value_bytes < points_in(piece.size)) return false;
+    place_piece(piece, &message[at], shape, made[piece.number]);
+    at += points_in(piece.size) * value_bytes;
+  }
+  return true;
+}
+
+}  // namespace
+
 bool gather_chunks(Ranks& ranks, std::span<const KeptField* const> kept, std::span<const Chunk> chunks,
                    const std::function<void(std::size_t number, std::vector<float> values)>& deliver) {
   std::vector<std::byte> message;
-  if (!ranks.is_first())
-    for (std::size_t i = 0; i < chunks.size(); ++i)
-      if (kept[i]) kept[i]->pack(chunks[i], static_cast<std::uint32_t>(i), message);
-  const std::uint64_t own_bytes = message.size();
-  std::vector<std::uint64_t> sizes(ranks.is_first() ? static_cast<std::size_t>(ranks.count()) : 0);
-  if (!ranks.gather(&own_bytes, sizeof own_bytes, sizes.data())) return false;
-  if (!ranks.is_first()) return message.empty() || ranks.send(message.data(), message.size());
-  std::vector<std::vector<float>> made(chunks.size());
-  for (std::size_t i = 0; i < chunks.size(); ++i)
-    if (kept[i]) kept[i]->read(chunks[i], made[i]);
-  for (int from = 1; from < ranks.count(); ++from) {
+  std::vector<std::uint64_t> sizes;
+  std::vector<std::vector<float>> made;
+  bool ready = ranks.attempt("chunks", [&] {
+    if (ranks.is_first()) {
+      sizes.resize(static_cast<std::size_t>(ranks.count()));
+      made.resize(chunks.size());
+    }
+    for (std::size_t i = 0; i < chunks.size(); ++i) {
+      if (!kept[i]) continue;
+      if (ranks.is_first())
+        kept[i]->read(chunks[i], made[i]);
+      else
+        kept[i]->pack(chunks[i], static_cast<std::uint32_t>(i), message);
+    }
+  });
+  bool all = false;
+  if (!ranks.agree(ready, all)) return false;
+  if (all) {
+    const std::uint64_t own_bytes = message.size();
+    if (!ranks.gather(&own_bytes, sizeof own_bytes, sizes.data())) return false;
+    ready = ranks.attempt("message", [&] {
+      if (ranks.is_first()) message.reserve(*std::ranges::max_element(sizes));
+    });
+    if (!ranks.agree(ready, all)) return false;
+  }
+  if (all && !ranks.is_first()) return message.empty() || ranks.send(message.data(), message.size());
+  for (int from = 1; all && from < ranks.count(); ++from) {
     message.resize(sizes[static_cast<std::size_t>(from)]);
     if (message.empty()) continue;
-    if (!ranks.receive(message.data(), message.size(), from)) return false;
-    for (std::size_t at = 0; at < message.size();) {
-      PieceHeader piece;
-      if (message.size() - at < sizeof piece) return false;
-      std::memcpy(&piece, &message[at], sizeof piece);
-      at += sizeof piece;
-      if (piece.number >= chunks.size() || made[piece.number].empty()) return false;
-      const GridIndex shape = kept[piece.number]->pyramid().chunk_shape(chunks[piece.number].level);
-      const std::size_t value_bytes = piece.exact != 0 ? sizeof(float) : sizeof(std::int16_t);
-      if (!is_inside(piece, shape) || (message.size() - at) / value_bytes < points_in(piece.size)) return false;
-      place_piece(piece, &message[at], shape, made[piece.number]);
-      at += points_in(piece.size) * value_bytes;
-    }
+    if (!ranks.receive(message.data(), message.size(), from) || !place_pieces(message, kept, chunks, made))
+      return false;
   }
-  for (std::size_t i = 0; i < chunks.size(); ++i)
-    if (!made[i].empty()) deliver(i, std::move(made[i]));
+  if (!ranks.is_first()) return true;
+  // Without memory for the delivery, viewers wait and request the chunks again.
+  (void)ranks.attempt("deliver", [&] {
+    for (std::size_t i = 0; i < chunks.size(); ++i)
+      if (kept[i]) deliver(i, all ? std::move(made[i]) : std::vector<float>());
+  });
   return true;
 }
 

@@ -54,7 +54,8 @@ net::HeldContent BrickShelf::content(const std::string& path) {
   if (!name) return {};
   std::unique_lock lock(mutex_);
   const auto slot = std::ranges::find(slots_, name->container, [](const Slot& one) { return one.grid.container; });
-  if (slot == slots_.end()) return {};
+  if (slot == slots_.end())
+    return {slots_.empty() ? net::HeldContent::State::none : net::HeldContent::State::gone, {}, {}};
   const ServedGrid& grid = slot->grid;
   if (!name->level) return held_json(zarr_group(grid.pyramid, grid.grid));
   if (*name->level >= grid.pyramid.levels()) return {};
@@ -138,6 +139,10 @@ void BrickShelf::deliver(const WantedChunk& wanted, std::vector<float> values) {
   const std::lock_guard lock(mutex_);
   Slot* const slot = find(wanted.serial);
   if (!slot) return;
+  if (values.empty()) {
+    slot->sent.erase(wanted.chunk);
+    return;
+  }
   slot->grid.received[wanted.chunk] = std::move(values);
   received_.push_back(wanted);
   drop_received();

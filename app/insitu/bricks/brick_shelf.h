@@ -61,12 +61,13 @@ class BrickShelf : NonCopyable {
   /// Drops all steps but the newest one, so that callers can reuse the memory of the others.
   void drop_older();
   /// Returns the content of a path of a container. Its state is `waiting` until the other ranks have sent the chunk and
-  /// the share permits encoding it. Chunks of the overview do not wait for the share. Server's thread.
+  /// the share permits encoding it. Chunks of the overview do not wait for the share. Other containers are `gone`.
+  /// Server's thread.
   [[nodiscard]] net::HeldContent content(const std::string& path);
   /// Returns requested chunks of the newest steps, the coarsest first, and notes that the ranks send them.
   [[nodiscard]] std::vector<WantedChunk> take_wanted(std::size_t most);
-  /// Receives a chunk of other ranks. Ignores it if its step was dropped. Above kMaxReceivedBytes, drops the chunks
-  /// that wait longest; viewers request them again.
+  /// Receives a chunk of other ranks. Without values, viewers must request it again. Ignores it if its step was
+  /// dropped. Above kMaxReceivedBytes, drops the chunks that wait longest; viewers request them again.
   void deliver(const WantedChunk& wanted, std::vector<float> values);
 
   /// Reports whether a viewer has requested the overview of the newest step; true if there is no step.

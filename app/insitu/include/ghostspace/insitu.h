@@ -18,7 +18,7 @@ extern "C" {
 #endif
 
 /* Version of this interface. A library of version N accepts programs that were compiled with an older version. */
-#define GS_INSITU_VERSION 2
+#define GS_INSITU_VERSION 3
 
 #if defined(__GNUC__)
 #define GS_INSITU_API __attribute__((visibility("default")))
@@ -168,7 +168,8 @@ typedef struct gs_insitu_statistics {
   size_t size;                    /* sizeof(gs_insitu_statistics), set by the caller */
   uint64_t steps, taken, skipped; /* numbers of begun steps, of taken steps, and of the other begun steps */
   double run_seconds;             /* wall time since gs_insitu_open() */
-  double own_seconds;             /* time in the library on this rank, plus CPU time of its background thread */
+  double own_seconds;             /* processor time of the library on this rank, on all of its threads, plus the time in
+                                     which it waited for other ranks and for files */
   double last_seconds;            /* from the end of the last taken step to its complete stream (rank 0) */
   uint64_t stream_bytes;          /* bytes of all streams (rank 0) */
   uint64_t sent_bytes;            /* bytes that this rank sent to others */
@@ -176,6 +177,7 @@ typedef struct gs_insitu_statistics {
   double max_error;  /* maximum error of the last taken step as its streams state it, in the unit of values (rank 0) */
   uint32_t thinning; /* the last taken step has every n-th point per axis; 1 means all (rank 0) */
   uint32_t reserved;
+  double processor_seconds; /* processor time of the library on this rank, on all of its threads. Since version 3 */
 } gs_insitu_statistics;
 
 typedef struct gs_insitu gs_insitu;
