@@ -29,6 +29,10 @@ PartFacts facts_of_parts(const std::vector<View>& parts) {
   return facts;
 }
 
+// Default shares of run time: for grids that ranks keep for requests, and for data that are encoded at once, which cost
+// more for the first picture.
+constexpr double kShareOfKept = 0.02, kShareOfEncoded = 0.1;
+
 constexpr const char* kNoMemory = "a rank has not enough memory for the step; set a smaller max_memory";
 
 std::string text_or(const char* text, const char* fallback) { return text && *text ? text : fallback; }
@@ -83,8 +87,8 @@ std::variant<SessionOptions, std::string> session_options(const gs_insitu_option
   const bool usual = options.max_share == GS_INSITU_USUAL_SHARE;
   if (!usual && (!(options.max_share >= 0) || !(options.max_share <= 1)))
     return "max_share is invalid; expected 0 to 1, or GS_INSITU_USUAL_SHARE";
-  constexpr double kServedShare = 0.02;
-  result.max_share = !usual ? options.max_share : result.serve && result.folder.empty() ? kServedShare : 0;
+  result.usual_share = usual && result.serve && result.folder.empty();
+  result.max_share = !usual ? options.max_share : result.usual_share ? kShareOfKept : 0;
   if (options.every < 1) return "every is " + std::to_string(options.every) + "; expected 1 or more";
   result.every = options.every;
   result.max_memory = std::max<std::uint64_t>(options.max_memory, 1);
@@ -319,6 +323,10 @@ int InSituSession::end_step() {
       plan = {};
       std::copy_n(kNoMemory, std::strlen(kNoMemory) + 1, plan.problem.data());
     }
+  }
+  if (ranks_.is_first() && options_.usual_share) {
+    share_ = plan.keeps != 0 ? kShareOfKept : kShareOfEncoded;
+    pace_.set_share(share_);
   }
   StepData data{step_, time_, {}, {}, {}, {}};
   sound = sound && ranks_.broadcast(plan) && (plan.problem[0] != 0 || gather_step(plan, data));

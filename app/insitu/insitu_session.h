@@ -13,6 +13,7 @@
 #include "base/noncopyable.h"
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -34,6 +35,7 @@ struct SessionOptions {
   bool serve = false, background = false, thin = false;
   std::uint16_t port = 0;
   double error = 0, relative_error = 0.001, max_share = 0;
+  bool usual_share = false;  // the caller left the choice of max_share to the library
   std::int64_t every = 1;
   std::uint64_t max_memory = std::uint64_t{256} << 20;
   unsigned threads = 1;
@@ -85,7 +87,7 @@ class InSituSession : NonCopyable {
   class OwnTime;
 
   InSituSession(const SessionOptions& options, const gs_insitu_communicator* communicator)
-      : options_(options), ranks_(communicator), pace_(options.max_share, options.every) {
+      : options_(options), share_(options.max_share), ranks_(communicator), pace_(options.max_share, options.every) {
     ranks_.set_fault(options.fault);
     if (ranks_.is_first()) facts_.resize(static_cast<std::size_t>(ranks_.count()));
     kept_facts_.resize(facts_.size());
@@ -113,6 +115,7 @@ class InSituSession : NonCopyable {
   void log_messages();
 
   const SessionOptions options_;
+  std::atomic<double> share_;  // maximum share of run time; 0 means unlimited
   Ranks ranks_;
   StepPace pace_;
   Parameters parameters_;

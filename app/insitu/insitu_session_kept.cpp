@@ -7,9 +7,9 @@
 
 namespace gs::app::insitu {
 bool InSituSession::share_permits() const {
-  if (options_.max_share <= 0) return true;
+  if (share_ <= 0) return true;
   const std::lock_guard lock(shared_.mutex);
-  return shared_.own_seconds + shared_.reserve <= options_.max_share * now();
+  return shared_.own_seconds + shared_.reserve <= share_ * now();
 }
 
 void InSituSession::charge_server(double overview, std::size_t bytes) {
