@@ -29,6 +29,7 @@ constexpr std::array<std::uint16_t, count> learning_rates() {
 struct BitModel {
   std::uint16_t one = 32768;  // probability of a 1, in 1/65536
   std::uint8_t seen = 0;      // number of decisions, at most kMaxSeen
+  std::uint8_t unused = 0;    // so that models can be compared as words
 
   static constexpr std::uint8_t kMaxSeen = 30;
   static constexpr auto kRates = learning_rates<kMaxSeen + 1>();

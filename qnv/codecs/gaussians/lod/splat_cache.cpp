@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
+#include <optional>
 #include <utility>
 
 namespace gs::qnv::gaussians {
@@ -16,6 +17,8 @@ namespace {
 constexpr std::size_t kClustersPerTask = 8, kUsualTasks = 16;
 // States of clusters may use 1 / kStatePart of the memory.
 constexpr std::size_t kStatePart = 3;
+// Usual bytes of a state.
+constexpr std::size_t kTypicalState = 12'000;
 
 std::size_t bytes_of(const Gaussians& all) {
   return sizeof(Gaussians) + all.size() * (3 * sizeof(glm::vec3) + sizeof(glm::vec4) + sizeof(float)) +
@@ -85,10 +88,10 @@ void SplatCache::put_harmonics(std::uint32_t cluster, const Entry& own, Gaussian
   }
 }
 
-std::unique_ptr<SplatCache::Entry> SplatCache::made(std::uint32_t cluster, const SplatState& state) {
+std::unique_ptr<SplatCache::Entry> SplatCache::made(std::uint32_t cluster, const DecodedCluster& decoded) {
   auto entry = std::make_unique<Entry>();
-  const std::size_t count = state.nodes.size();
-  const auto inner = static_cast<std::size_t>(std::ranges::count(state.nodes, false, &SplatNode::leaf));
+  const std::size_t count = decoded.nodes.size();
+  const auto inner = static_cast<std::size_t>(std::ranges::count(decoded.nodes, false, &SplatNode::leaf));
   auto splats = std::make_shared<Gaussians>();
   splats->description.box = chunks_.header().description.box;  // renderers compare the distance to it
   splats->antialiased = chunks_.header().gaussians.antialiased;
@@ -97,19 +100,15 @@ std::unique_ptr<SplatCache::Entry> SplatCache::made(std::uint32_t cluster, const
   splats->rotations.resize(count);
   splats->opacities.resize(count);
   splats->bases.resize(count);
-  entry->origins.resize(state.origins.size());
+  entry->origins.resize(decoded.origins.size());
   if (inner > 0) entry->ranks.resize(count + 1);
-  const std::uint32_t above = tree_[cluster].parent;
   std::array<std::size_t, 2> next{0, inner};  // places of the next inner Gaussian and of the next leaf
   for (std::size_t i = 0; i < count; ++i) {
-    const SplatNode& node = state.nodes[i];
+    const SplatNode& node = decoded.nodes[i];
     const std::size_t place = next[node.leaf ? 1 : 0]++;
     put_splat(node, *splats, place);
     if (inner > 0) entry->ranks[i + 1] = static_cast<std::uint16_t>(next[0]);
-    if (state.origins.empty()) continue;
-    NodeOrigin origin = state.origins[i];
-    if (above != kNoCluster) origin.parent = entries_[above]->ranks[origin.parent];
-    entry->origins[place] = origin;
+    if (!decoded.origins.empty()) entry->origins[place] = decoded.origins[i];
   }
   entry->block.inner = static_cast<std::uint32_t>(inner);
   if (chunks_.header().gaussians.degree > 0) {
@@ -120,8 +119,11 @@ std::unique_ptr<SplatCache::Entry> SplatCache::made(std::uint32_t cluster, const
   entry->block.splats = std::move(splats);
   if (inner > 0) {
     entry->bytes += 2 * entry->ranks.size();
-    entry->state = std::make_unique<const SplatState>(state);
-    entry->state_bytes = sizeof(SplatState) + count * sizeof(SplatNode);
+    std::vector<SplatNode> nodes;
+    nodes.reserve(inner);
+    std::ranges::copy_if(decoded.nodes, std::back_inserter(nodes), [](const SplatNode& node) { return !node.leaf; });
+    entry->state = std::make_unique<const SplatState>(std::move(nodes), StoredModels(decoded.models));
+    entry->state_bytes = entry->state->bytes();
   }
   return entry;
 }
@@ -146,27 +148,27 @@ void SplatCache::decode(std::vector<std::uint32_t> clusters, std::uint64_t now) 
   });
   update_parents(clusters);
   std::vector<std::unique_ptr<Entry>> results(clusters.size());
-  const auto decode_one = [&](std::size_t i, SplatScratch& scratch) {
+  const auto decode_one = [&](std::size_t i, DecodedCluster& decoded) {
     const SplatCluster& cluster = tree_[clusters[i]];
     const Entry* const parent = cluster.parent == kNoCluster ? nullptr : entry(cluster.parent);
     if (cluster.broken || (cluster.parent != kNoCluster && (!parent || !parent->state))) return;
-    if (chunks_.decode(clusters[i], parent ? parent->state.get() : nullptr, scratch))
-      results[i] = made(clusters[i], scratch.state);
+    const auto above = parent ? std::optional(SplatParent{*parent->state, parent->ranks}) : std::nullopt;
+    if (chunks_.decode(clusters[i], above ? &*above : nullptr, decoded)) results[i] = made(clusters[i], decoded);
   };
   for (std::size_t first = 0, last = 0; first < clusters.size(); first = last) {
     while (last < clusters.size() && tree_[clusters[last]].level == tree_[clusters[first]].level) ++last;
     const std::size_t each = std::clamp<std::size_t>((last - first) / kUsualTasks, 1, kClustersPerTask);
     parallel_for((last - first + each - 1) / each, [&](std::size_t task) {
       const std::size_t begin = first + task * each, end = std::min(last, begin + each);
-      const auto scratch = std::make_unique<SplatScratch>();
-      for (std::size_t i = begin; i < end; ++i) decode_one(i, *scratch);
+      const auto decoded = std::make_unique<DecodedCluster>();
+      for (std::size_t i = begin; i < end; ++i) decode_one(i, *decoded);
     });
     const bool lacks = std::any_of(results.begin() + static_cast<std::ptrdiff_t>(first),
                                    results.begin() + static_cast<std::ptrdiff_t>(last), std::logical_not());
     if (lacks && chunks_.restore()) {
-      const auto scratch = std::make_unique<SplatScratch>();
+      const auto decoded = std::make_unique<DecodedCluster>();
       for (std::size_t i = first; i < last; ++i)
-        if (!results[i]) decode_one(i, *scratch);
+        if (!results[i]) decode_one(i, *decoded);
     }
     for (std::size_t i = first; i < last; ++i) {
       const bool orphan = tree_[clusters[i]].parent != kNoCluster && tree_[tree_[clusters[i]].parent].broken;
@@ -265,7 +267,7 @@ void SplatCache::add_harmonics(std::span<const std::uint32_t> clusters) {
 }
 
 std::size_t SplatCache::most_at_once() const {
-  return std::max<std::size_t>(most_bytes_ / kStatePart / (2 * sizeof(SplatState)), 64);
+  return std::max<std::size_t>(most_bytes_ / kStatePart / kTypicalState, 64);
 }
 
 void SplatCache::pin(std::uint32_t cluster, std::uint64_t now) {

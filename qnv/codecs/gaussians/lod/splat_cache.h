@@ -77,7 +77,7 @@ class SplatCache : NonCopyable {
   void put_harmonics(std::uint32_t cluster, const Entry& own, Gaussians& splats);
   /// Notes that a cluster replaces Gaussians of `parent`. Returns false if others replace some of them.
   bool cover(std::uint32_t parent, std::uint32_t from, std::uint32_t to);
-  [[nodiscard]] std::unique_ptr<Entry> made(std::uint32_t cluster, const SplatState& state);
+  [[nodiscard]] std::unique_ptr<Entry> made(std::uint32_t cluster, const DecodedCluster& decoded);
   void update_parents(std::span<const std::uint32_t> clusters);
   void keep(std::uint32_t cluster, std::unique_ptr<Entry> made, std::uint64_t now);
   void drop_state(std::uint32_t cluster);

@@ -106,7 +106,7 @@ bool SplatChunks::directory_fits() const {
   for (std::size_t i = 0; i < tree_.size(); i += std::max<std::size_t>(1, tree_.size() / kSampledHeads))
     if (!fits(static_cast<std::uint32_t>(i))) return false;
   // The root cluster must decode, because every view needs it.
-  return decode(tree_.root(), nullptr, *std::make_unique<SplatScratch>());
+  return decode(tree_.root(), nullptr, *std::make_unique<DecodedCluster>());
 }
 
 // Reads the whole stream and checks all checksums. Passes on all sound chunks, and those that parity restores.
@@ -267,9 +267,9 @@ bool SplatChunks::read_head(std::uint32_t index) {
   return false;
 }
 
-bool SplatChunks::decode(std::uint32_t index, const SplatState* parent, SplatScratch& scratch) const {
+bool SplatChunks::decode(std::uint32_t index, const SplatParent* parent, DecodedCluster& to) const {
   const SplatCluster& cluster = tree_[index];
-  const auto chunk = read_chunk(*source_, cluster.offset, cluster.bytes, scratch.chunk);
+  const auto chunk = read_chunk(*source_, cluster.offset, cluster.bytes, to.chunk);
   const auto* sound = std::get_if<SoundChunk>(&chunk);
   if (!sound || sound->type != ChunkType::gaussians) return false;
   const auto packed = parse_cluster(sound->payload);
@@ -277,19 +277,22 @@ bool SplatChunks::decode(std::uint32_t index, const SplatState* parent, SplatScr
   if (!packed || packed->head.id != cluster.id || is_root != (packed->head.parent == ClusterHead::kNoParent) ||
       is_root == (parent != nullptr))
     return false;
-  if (parent && (std::size_t{packed->head.first} + packed->head.count > parent->nodes.size() ||
-                 tree_[cluster.parent].id != packed->head.parent))
-    return false;
-  SplatState& state = scratch.state;
+  const std::size_t first = packed->head.first, last = first + packed->head.count;
+  if (parent && (last >= parent->ranks.size() || tree_[cluster.parent].id != packed->head.parent)) return false;
   const SplatNode root = root_node(precision_.box);
-  const std::span<const SplatNode> parents =
-      parent ? std::span(parent->nodes).subspan(packed->head.first, packed->head.count) : std::span(&root, 1);
-  state.models = parent ? parent->models : SplatModels();
-  if (!decode_nodes(packed->bytes, parents, parent != nullptr, state.models, precision_, state.nodes,
-                    header_.gaussians.degree > 0 ? &state.origins : nullptr))
+  std::span<const SplatNode> parents(&root, 1);
+  std::size_t before = 0;  // number of inner Gaussians of the parent before those that this cluster replaces
+  if (parent) {
+    before = parent->ranks[first];
+    parents = std::span(parent->state.inner).subspan(before, parent->ranks[last] - before);
+    parent->state.models.load(to.models);
+  } else {
+    to.models = SplatModels();
+  }
+  if (!decode_nodes(packed->bytes, parents, parent != nullptr, to.models, precision_, to.nodes,
+                    header_.gaussians.degree > 0 ? &to.origins : nullptr))
     return false;
-  for (NodeOrigin& origin : state.origins)
-    origin.parent = static_cast<std::uint16_t>(origin.parent + packed->head.first);
+  for (NodeOrigin& origin : to.origins) origin.parent = static_cast<std::uint16_t>(origin.parent + before);
   return true;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "qnv/codecs/gaussians/lod/splat_tree.h"
+#include "qnv/codecs/gaussians/lod/stored_models.h"
 #include "qnv/codecs/gaussians/splat_code.h"
 #include "qnv/codecs/gaussians/splat_models.h"
 #include "qnv/codecs/octree/lod/lod_source.h"
@@ -20,14 +21,25 @@ namespace gs::qnv::gaussians {
 
 /// Data of a cluster that decoding its children requires.
 struct SplatState {
-  std::vector<SplatNode> nodes;     // in the order of the stream
-  std::vector<NodeOrigin> origins;  // parents are indices in the parent cluster; empty without harmonics
-  SplatModels models;               // at the end of the cluster
+  std::vector<SplatNode> inner;  // Gaussians that children may replace, in the order of the stream
+  StoredModels models;           // at the end of the cluster
+
+  [[nodiscard]] std::size_t bytes() const {
+    return sizeof(SplatState) + inner.capacity() * sizeof(SplatNode) + models.bytes();
+  }
 };
 
-/// Memory for decoding clusters one after another.
-struct SplatScratch {
-  SplatState state;
+/// Decoded parent of a cluster.
+struct SplatParent {
+  const SplatState& state;
+  std::span<const std::uint16_t> ranks;  // number of inner Gaussians before each Gaussian, and of all
+};
+
+/// Decoded cluster. Decoding several clusters one after another needs only one.
+struct DecodedCluster {
+  std::vector<SplatNode> nodes;     // in the order of the stream
+  std::vector<NodeOrigin> origins;  // parents are indices in SplatState::inner; empty without harmonics
+  SplatModels models;               // at the end of the cluster
   std::vector<std::byte> chunk;
 };
 
@@ -58,9 +70,9 @@ class SplatChunks {
 
   /// Reads the head of a received cluster if it is not known. Returns false if that fails; the cluster is then broken.
   bool read_head(std::uint32_t cluster);
-  /// Decodes a received cluster to `scratch.state`. `parent` is the state of its parent; null for the root. Returns
-  /// false if the bytes are invalid. May run in several threads at once.
-  [[nodiscard]] bool decode(std::uint32_t cluster, const SplatState* parent, SplatScratch& scratch) const;
+  /// Decodes a received cluster. `parent` is null for the root. Returns false if the bytes are invalid. May run in
+  /// several threads at once.
+  [[nodiscard]] bool decode(std::uint32_t cluster, const SplatParent* parent, DecodedCluster& to) const;
   /// Decodes the received harmonics of a cluster. `leaves` are its leaves, and `merged` its other Gaussians except
   /// unchanged ones, both in the order of the stream.
   [[nodiscard]] ClusterHarmonics decode_harmonics(std::uint32_t cluster, std::span<const SplatNode> leaves,
