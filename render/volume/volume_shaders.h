@@ -5,8 +5,7 @@ namespace gs::render {
 
 /// Composites the volumes that the CPU has drawn. Where `depths` is negative, ignores the pixel's depth. With EDGES,
 /// draws only pixels with samples that differ.
-/// Draws a rectangle over the viewport with a part of a texture from its first texel on. llvmpipe has a fast path for
-/// shaders of this form.
+/// Draws a rectangle over the viewport with a part of a texture from its first texel on.
 inline constexpr char kPlainLayerVertexShader[] = R"glsl(
 uniform vec2 part;  // drawn part of the texture
 out vec2 at;
