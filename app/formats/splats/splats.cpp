@@ -42,11 +42,23 @@ qnv::Rgb8 color_of(const glm::vec3& dc) {
   return {part(dc.x), part(dc.y), part(dc.z)};
 }
 
+/// Returns a quaternion of length 1. Returns nullopt for 0, and for numbers that are not finite.
+std::optional<glm::vec4> unit_of(const glm::vec4& q) {
+  const float square = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
+  constexpr float kLeast = 1e-20f, kMost = 1e20f;  // beyond, squares of floats lose digits or overflow
+  if (square > kLeast && square < kMost) return q / std::sqrt(square);
+  const glm::dvec4 wide(q);
+  const double length = std::sqrt(wide.x * wide.x + wide.y * wide.y + wide.z * wide.z + wide.w * wide.w);
+  if (!(length > 0) || !std::isfinite(length)) return std::nullopt;
+  return glm::vec4(wide / length);
+}
+
 /// Splat converted to a disc, or the reason why there is no disc.
 struct Disc {
   enum class Fate { kept, faint, broken } fate = Fate::broken;
   glm::dvec3 place{0};
   glm::vec3 normal{0};
+  glm::vec4 rotation{0};  // of length 1
   float area = 0;
   bool thick = false, flat_across_z = false;
 };
@@ -54,11 +66,11 @@ struct Disc {
 Disc disc_of(const SplatModel& model, std::size_t i) {
   Disc disc;
   const glm::vec3 scale = model.scales[i];
-  const glm::vec4 q = model.rotations[i];
-  const float length = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
+  const std::optional<glm::vec4> rotation = unit_of(model.rotations[i]);
   if (!usable(model.positions[i]) || !usable(glm::dvec3(scale)) || !(scale.x >= 0 && scale.y >= 0 && scale.z >= 0))
     return disc;
-  if (!(length > 0) || !std::isfinite(length) || !std::isfinite(model.opacities[i])) return disc;
+  if (!rotation || !std::isfinite(model.opacities[i])) return disc;
+  disc.rotation = *rotation;
   if (model.opacities[i] < kMinOpacity) {
     disc.fate = Disc::Fate::faint;
     return disc;
@@ -68,7 +80,7 @@ Disc disc_of(const SplatModel& model, std::size_t i) {
   if (!(scale[most] > 0)) return disc;
   // A line has no area, but is visible.
   disc.area = std::max(disc.area, std::numeric_limits<float>::min());
-  const glm::vec3 normal = rotated_axis({q.x / length, q.y / length, q.z / length, q.w / length}, least);
+  const glm::vec3 normal = rotated_axis(disc.rotation, least);
   const float normal_length = std::sqrt(dot(normal, normal));
   if (!std::isfinite(disc.area) || !(normal_length > 0.5f)) return disc;
   disc.place = model.positions[i] * glm::dvec3(model.axes);
@@ -78,9 +90,6 @@ Disc disc_of(const SplatModel& model, std::size_t i) {
   disc.fate = Disc::Fate::kept;
   return disc;
 }
-
-/// Returns a quaternion of length 1.
-glm::vec4 unit_of(const glm::vec4& q) { return q / std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w); }
 
 /// Returns a coefficient, or 0 if it is not finite.
 glm::vec3 coefficient_of(const glm::vec3& v) {
@@ -191,7 +200,7 @@ qnv::Gaussians vectors_of_splats(const SplatModel& model) {
     splats.weights.push_back(disc.area);
     splats.colors.push_back(color_of(model.dc[i]));
     splats.scales.push_back(model.scales[i]);
-    splats.rotations.push_back(turned(unit_of(model.rotations[i]), model.axes));
+    splats.rotations.push_back(turned(disc.rotation, model.axes));
     splats.opacities.push_back(std::min(model.opacities[i], 1.0f));
     splats.bases.push_back(0.5f + kSphericalHarmonic0 * coefficient_of(model.dc[i]));
     for (std::size_t k = 0; k < per; ++k)

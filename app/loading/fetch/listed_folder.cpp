@@ -63,7 +63,7 @@ ListedFolder listed_folder(const net::Url& url, BucketPage first, const ReadWant
     return true;
   });
   std::ranges::sort(folder.names);
-  folder.names.erase(std::ranges::unique(folder.names).begin(), folder.names.end());
+  folder.names.erase(std::unique(folder.names.begin(), folder.names.end()), folder.names.end());
   return folder;
 }
 
@@ -97,7 +97,7 @@ std::optional<std::vector<std::string>> names_in_bucket(const net::Url& folder, 
     });
     if (names.empty()) continue;
     std::ranges::sort(names);
-    names.erase(std::ranges::unique(names).begin(), names.end());
+    names.erase(std::unique(names.begin(), names.end()), names.end());
     return names;
   }
   return std::nullopt;

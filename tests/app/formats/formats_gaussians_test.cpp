@@ -5,11 +5,15 @@
 
 #include <catch2/catch.hpp>
 
+#include <glm/geometric.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <numeric>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -172,6 +176,24 @@ TEST_CASE("names what formats without opacity lose of Gaussians") {
         ".spz, .sog and .splats.glb keep them");
   const auto plain = export_format_of("a.ply")->write(geometry, {}), whole = export_splats_ply(geometry);
   CHECK(std::get<Bytes>(plain) == std::get<Bytes>(whole));
+}
+
+TEST_CASE("reads rotations of any length, and counts splats without a rotation as broken") {
+  SplatModel model;
+  model.format = "test";
+  const glm::vec4 rotation(0.5f, -0.5f, 0.5f, -0.5f);
+  const float infinite = std::numeric_limits<float>::infinity();
+  for (const float length : {1e-44f, 1e-22f, 1e-3f, 1.0f, 1e3f, 1e30f, 0.0f, infinite}) {
+    model.positions.emplace_back(0);
+    model.scales.emplace_back(1, 0.5f, 0.25f);
+    model.rotations.push_back(rotation * length);
+    model.opacities.push_back(0.5f);
+    model.dc.emplace_back(0);
+  }
+  const Gaussians splats = vectors_of_splats(model);
+  REQUIRE(splats.size() == 6);
+  for (const glm::vec4& q : splats.rotations) CHECK(glm::length(q) == Approx(1));
+  CHECK(splats.description.metadata.back() == std::pair<std::string, std::string>("splats broken", "2"));
 }
 
 TEST_CASE("names the loss of antialiased drawing, and the rounding of harmonics only if there are any") {

@@ -37,8 +37,9 @@ std::uint32_t SpaceCells::divide(std::span<glm::vec3> positions, std::size_t mos
   const auto middle = positions.begin() + static_cast<std::ptrdiff_t>(positions.size() / 2);
   std::ranges::nth_element(positions, middle, {}, [axis](const glm::vec3& p) { return p[axis]; });
   const float at = (*middle)[axis];
-  const auto above = std::ranges::partition(positions, [&](const glm::vec3& p) { return p[axis] < at; });
-  const std::size_t below = positions.size() - above.size();
+  const auto above =
+      std::partition(positions.begin(), positions.end(), [&](const glm::vec3& p) { return p[axis] < at; });
+  const auto below = static_cast<std::size_t>(above - positions.begin());
   if (below == 0) return end_as_cell();  // half of the positions or more are equal along the longest axis
   const std::uint32_t first = divide(positions.first(below), most), second = divide(positions.subspan(below), most);
   planes_[own] = {axis, at, first, second};

@@ -137,7 +137,7 @@ void SplatCache::update_parents(std::span<const std::uint32_t> clusters) {
   std::ranges::sort(above, [&](std::uint32_t a, std::uint32_t b) {
     return tree_[a].level != tree_[b].level ? tree_[a].level < tree_[b].level : a < b;
   });
-  above.erase(std::ranges::unique(above).begin(), above.end());
+  above.erase(std::unique(above.begin(), above.end()), above.end());
   add_harmonics(above);
 }
 

@@ -128,7 +128,7 @@ TEST_CASE("puts the first crop box around a scene, and leaves floaters outside")
   CHECK(extent.whole.upper.x == Approx(500));
   CHECK(extent.middle.upper.x < 50);
   SplatEdit edit;
-  edit.box = SplatBox{extent.middle.lower, extent.middle.upper};
+  edit.crops = {{SplatBox{extent.middle.lower, extent.middle.upper}}};
   (void)edit_splats(splats, edit);
   CHECK(splats.size() == 299);
 }
