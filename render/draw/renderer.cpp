@@ -260,6 +260,11 @@ FrameStatistics Renderer::draw_layer(const RenderList& list, const Camera& wante
     state_->splats->draw(list, camera, lens, options, statistics);
     const bool any_opaque = statistics.draw_calls > 0,
                behind = are_gaussians_behind_volumes(list, glm::dvec3(camera.world_from_camera[3]));
+    if (const auto range = overlap_of_gaussians_and_volumes(list, camera))
+      if (auto among = state_->gaussians->rasterizer(list, camera, lens, options, statistics)) {
+        const VolumePass::Overlap overlap{std::move(*among), *range};
+        return state_->volumes->draw(list, camera, lens, options, statistics, &overlap);
+      }
     if (behind) state_->gaussians->draw(list, camera, lens, options, statistics, any_opaque);
     state_->volumes->draw(list, camera, lens, options, statistics);
     if (!behind) state_->gaussians->draw(list, camera, lens, options, statistics, any_opaque);

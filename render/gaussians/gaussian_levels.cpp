@@ -22,7 +22,7 @@ constexpr std::size_t kMostMoving = 400'000;
 constexpr double kSettling = 0.28;
 
 /// Encodes Gaussians and decodes the part that a view needs. Returns null if it is cancelled or impossible.
-std::unique_ptr<qnv::SplatStream> levels_of(const qnv::Gaussians& gaussians, const qnv::LodView& view,
+std::unique_ptr<qnv::SplatStream> encoded_levels(const qnv::Gaussians& gaussians, const qnv::LodView& view,
                                             Progress& progress) {
   qnv::EncodeOptions options;
   options.threads = 1;  // other threads draw
@@ -75,7 +75,7 @@ void GaussianLevels::start(const std::shared_ptr<const qnv::Gaussians>& gaussian
   try {
     std::thread([work, gaussians, view] {
       try {
-        work->stream = levels_of(*gaussians, view, work->progress);
+        work->stream = encoded_levels(*gaussians, view, work->progress);
       } catch (const std::exception&) {
         work->stream = nullptr;  // memory does not suffice
       }

@@ -10,7 +10,9 @@
 #include <glm/glm.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -183,8 +185,45 @@ bool are_gaussians_behind_volumes(const RenderList& list, const glm::dvec3& eye)
   return distance(volumes) < distance(gaussians);
 }
 
+std::optional<DepthRange> overlap_of_gaussians_and_volumes(const RenderList& list, const Camera& camera) {
+  const WideBox volumes = bounds_of_all<qnv::Volume>(list), gaussians = bounds_of_all<qnv::Gaussians>(list);
+  if (volumes.empty() || gaussians.empty()) return std::nullopt;
+  const glm::dvec3 lower = glm::max(glm::dvec3(volumes.lower), glm::dvec3(gaussians.lower)),
+                   upper = glm::min(glm::dvec3(volumes.upper), glm::dvec3(gaussians.upper));
+  if (glm::any(glm::greaterThanEqual(lower, upper))) return std::nullopt;
+  const glm::dmat4 camera_from_world = camera_from_world_of(camera);
+  DepthRange range{std::numeric_limits<float>::infinity(), 0};
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec4 at((corner & 1) != 0 ? upper.x : lower.x, (corner & 2) != 0 ? upper.y : lower.y,
+                        (corner & 4) != 0 ? upper.z : lower.z, 1);
+    const auto depth = static_cast<float>(-(camera_from_world * at).z);
+    range.nearest = std::min(range.nearest, std::max(depth, 0.0f));
+    range.farthest = std::max(range.farthest, depth);
+  }
+  if (!std::isfinite(range.farthest) || !(range.nearest < range.farthest)) return std::nullopt;
+  return range;
+}
+
 GaussianPass::GaussianPass(const Gl& gl, SortMethod sort)
     : gl_(gl), target_(gl), gaussian_gl_(gl, target_, sort), overlay_(gl) {}
+
+bool GaussianPass::with_gl(const DrawOptions& options) const {
+  return options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl_.software);
+}
+
+std::optional<LayerRaster> GaussianPass::rasterizer(const RenderList& list, const Camera& camera,
+                                                    const Projection& projection, const DrawOptions& options,
+                                                    FrameStatistics& statistics) {
+  if (with_gl(options) || std::none_of(list.splats.begin(), list.splats.end(), gaussians_of)) return std::nullopt;
+  levels_.forget_unused();
+  const SplatView view = viewport_view(camera, projection, options);
+  const auto scene = std::make_shared<const GaussianScene>(
+      GaussianCollector(gl_, list, camera, options, view, levels_, false).collect());
+  statistics.pending = statistics.pending || scene->pending;
+  return [scene](const SplatView& part, const VolumeStops& stops) {
+    return rasterize_gaussians(scene->items, part, stops, false);
+  };
+}
 
 void GaussianPass::draw(const RenderList& list, const Camera& camera, const Projection& projection,
                         const DrawOptions& options, FrameStatistics& statistics, bool any_opaque) {
@@ -193,10 +232,9 @@ void GaussianPass::draw(const RenderList& list, const Camera& camera, const Proj
   if (std::none_of(list.splats.begin(), list.splats.end(), gaussians_of)) return;
   const SplatView view = viewport_view(camera, projection, options);
   const TargetRectangle rectangle{options.x, options.y, options.width, options.height};
-  const bool with_gl = options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl_.software);
-  const GaussianScene scene = GaussianCollector(gl_, list, camera, options, view, levels_, with_gl).collect();
+  const GaussianScene scene = GaussianCollector(gl_, list, camera, options, view, levels_, with_gl(options)).collect();
   statistics.pending = statistics.pending || scene.pending;
-  if (with_gl) {
+  if (with_gl(options)) {
     if (const auto drawn =
             gaussian_gl_.draw(scene.held, scene.items, {view, projection, rectangle, options.viewport})) {
       statistics.vectors += drawn->vectors;
