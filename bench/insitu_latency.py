@@ -107,16 +107,20 @@ with tempfile.TemporaryDirectory() as folder:
             [options.build + "/ghostspace", "--control", folder + "/control", "--control-token", folder + "/control-token",
              "http://127.0.0.1:%d/" % port],
             env=dict(os.environ, DISPLAY=display, HOME=folder, XDG_RUNTIME_DIR=folder), stderr=subprocess.DEVNULL))
-        while not os.path.exists(folder + "/control-token") or not os.path.exists(folder + "/control"):
+        token = ""
+        while len(token) < 32 or not os.path.exists(folder + "/control"):
             if time.monotonic() - begun > 60:
                 sys.exit("the window does not start")
             time.sleep(0.01)
-        control = Control(folder + "/control", open(folder + "/control-token").read().strip())
+            if os.path.exists(folder + "/control-token"):
+                token = open(folder + "/control-token").read().strip()
+        control = Control(folder + "/control", token)
         until = time.monotonic() + options.seconds
         while time.monotonic() < until:
             try:
                 found = re.search(r", step (\d+), time", (control.call("getBrowser") or {}).get("title") or "")
-            except OSError:
+            except OSError as problem:
+                print(problem, file=sys.stderr)
                 break
             if found and int(found.group(1)) not in shown:
                 control.call("getName")  # is answered after the picture

@@ -34,6 +34,7 @@ parser.add_argument("--port", type=int, default=8127)
 parser.add_argument("--thin", action="store_true")
 parser.add_argument("--files", action="store_true")
 parser.add_argument("--viewer", action="store_true")
+parser.add_argument("--coarse", action="store_true", help="the viewer reads the coarsest level only")
 parser.add_argument("--poll", type=float, default=0.25, help="seconds between two requests of the world")
 options = parser.parse_args()
 
@@ -77,7 +78,7 @@ class Viewer:
         group = json.loads(self.get(container + "/zarr.json"))
         levels = group["consolidated_metadata"]["metadata"]
         with concurrent.futures.ThreadPoolExecutor(8) as pool:
-            for level in (str(len(levels) - 1), "0"):
+            for level in [str(len(levels) - 1)] + ["0"] * (not options.coarse):
                 counts = [-(-size // chunk) for size, chunk in
                           zip(levels[level]["shape"], levels[level]["chunk_grid"]["configuration"]["chunk_shape"])]
                 names = ["%s/%s/c.%d.%d.%d" % (container, level, z, y, x)

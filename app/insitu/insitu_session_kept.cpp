@@ -107,7 +107,9 @@ void InSituSession::serve_kept(const StepPlan& plan, const std::shared_ptr<KeptF
     if (plan.kept_field.of_cells != 0 && !flat) served.grid.origin[a] += spacing / 2;
   }
   if (ranks_.count() == 1)
-    served.read = [field](const Chunk& chunk, std::vector<float>& values) { field->read(chunk, values); };
+    served.read = [field](const Chunk& chunk, std::uint32_t first, std::span<float> values) {
+      field->read(chunk, first, values);
+    };
 }
 
 bool InSituSession::send_chunks(std::span<const WantedChunk> wanted) {

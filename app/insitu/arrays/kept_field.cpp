@@ -138,15 +138,18 @@ std::uint64_t KeptField::bytes() const {
   return all;
 }
 
-void KeptField::read(const Chunk& chunk, std::vector<float>& values) const {
+void KeptField::read(const Chunk& chunk, std::uint32_t first, std::span<float> values) const {
   const GridIndex shape = pyramid_.chunk_shape(chunk.level);
-  values.assign(pyramid_.chunk_points(chunk.level), missing_value());
+  const std::size_t layer = std::size_t{shape[0]} * shape[1];
+  const auto end = static_cast<std::uint32_t>(first + values.size() / layer);
+  std::ranges::fill(values, missing_value());
   each_piece(chunk, [&](const Part& part, const Piece& piece) {
-    for (std::uint32_t z = 0; z < piece.size[2]; ++z)
+    const std::uint32_t low = piece.first[2];
+    for (std::uint32_t z = first > low ? first - low : 0; z < piece.size[2] && low + z < end; ++z)
       for (std::uint32_t y = 0; y < piece.size[1]; ++y) {
         const std::size_t at = piece.row_in(part.box.size, y, z);
         float* const row =
-            &values[(std::size_t{piece.first[2] + z} * shape[1] + piece.first[1] + y) * shape[0] + piece.first[0]];
+            &values[(std::size_t{low + z - first} * shape[1] + piece.first[1] + y) * shape[0] + piece.first[0]];
         if (exact_)
           for (std::uint32_t x = 0; x < piece.size[0]; ++x) row[x] = part.values[at + std::size_t{x} * piece.step];
         else
@@ -208,10 +211,12 @@ bool gather_chunks(Ranks& ranks, std::span<const KeptField* const> kept, std::sp
     }
     for (std::size_t i = 0; i < chunks.size(); ++i) {
       if (!kept[i]) continue;
-      if (ranks.is_first())
-        kept[i]->read(chunks[i], made[i]);
-      else
+      if (ranks.is_first()) {
+        made[i].resize(kept[i]->pyramid().chunk_points(chunks[i].level));
+        kept[i]->read(chunks[i], 0, made[i]);
+      } else {
         kept[i]->pack(chunks[i], static_cast<std::uint32_t>(i), message);
+      }
     }
   });
   bool all = false;

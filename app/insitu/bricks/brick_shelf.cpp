@@ -85,16 +85,24 @@ net::HeldContent BrickShelf::chunk_content(std::unique_lock<std::mutex>& lock, c
   if (!here || (!overview && !share_.permits())) return {State::waiting, {}, {}};
   const ZarrGrid grid = at->grid.grid;
   const double begun = thread_seconds();
+  const GridIndex shape = at->grid.pyramid.chunk_shape(chunk.level);
+  std::vector<float> sent;
   if (received != at->grid.received.end()) {
-    values_ = std::move(received->second);
+    sent = std::move(received->second);
     at->grid.received.erase(received);
     std::erase_if(received_, [&](const WantedChunk& one) { return one.serial == serial && one.chunk == chunk; });
-    lock.unlock();
-  } else {
-    lock.unlock();
-    read(chunk, values_);
   }
-  std::string bytes = encoder_.encode(values_, grid);
+  lock.unlock();
+  const std::size_t layer = std::size_t{shape[0]} * shape[1];
+  std::string bytes = encoder_.encode(
+      shape,
+      [&](std::uint32_t first, std::span<float> values) {
+        if (sent.size() >= first * layer + values.size())
+          std::copy_n(sent.begin() + static_cast<std::ptrdiff_t>(first * layer), values.size(), values.begin());
+        else if (read)
+          read(chunk, first, values);
+      },
+      grid);
   share_.charge(overview ? thread_seconds() - begun : 0, bytes.size());
   lock.lock();
   if (Slot* const slot = find(serial)) {

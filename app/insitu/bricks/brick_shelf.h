@@ -14,6 +14,7 @@
 #include <mutex>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,8 +28,9 @@ struct ServedGrid {
   ZarrGrid grid;
   double max_error = 0;
   std::uint32_t thinning = 1;
-  /// Reads a chunk from the memory of this process. Null if ranks send the chunks. Any thread.
-  std::function<void(const Chunk& chunk, std::vector<float>& values)> read;
+  /// Reads layers of a chunk from the memory of this process, from the layer `first` on. Null if ranks send the chunks.
+  /// Any thread.
+  std::function<void(const Chunk& chunk, std::uint32_t first, std::span<float> values)> read;
   /// Chunks of the overview, if ranks have sent them.
   std::map<Chunk, std::vector<float>> received;
 };
@@ -97,8 +99,7 @@ class BrickShelf : NonCopyable {
   std::deque<WantedChunk> order_;     // of the encoded chunks, oldest first
   std::deque<WantedChunk> received_;  // chunks below the overview that ranks have sent, oldest first
   std::size_t encoded_bytes_ = 0;
-  ChunkEncoder encoder_;  // used by the server's thread only, without the lock
-  std::vector<float> values_;
+  ChunkEncoder encoder_;         // used by the server's thread only, without the lock
   Clock::time_point refined_{};  // time of the last request for a chunk below the overview
 };
 

@@ -46,8 +46,9 @@ void round_within(float* values, std::size_t count, float error);
 /// Writes the lowest bytes of all values, then all second bytes, and so on, so that similar bytes are adjacent. This is
 /// the little-endian shuffle codec of numcodecs.
 void shuffle_floats(const float* from, std::size_t count, std::uint8_t* to);
-/// Writes the differences of neighbouring codes, modulo 2^16: their low bytes, then their high bytes. These are the
-/// codecs delta and shuffle of numcodecs.
-void shuffle_differences(const std::int16_t* from, std::size_t count, std::uint8_t* to);
+/// Writes the low and the high bytes of the differences of neighbouring codes, modulo 2^16. `previous` is the code
+/// before the first one. These are the codecs delta and shuffle of numcodecs.
+void shuffle_differences(const std::int16_t* from, std::size_t count, std::int16_t previous, std::uint8_t* low,
+                         std::uint8_t* high);
 
 }  // namespace gs::app::insitu

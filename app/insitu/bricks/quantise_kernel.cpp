@@ -162,14 +162,14 @@ void shuffle_floats(const float* from, std::size_t count, std::uint8_t* to) {
   }
 }
 
-void shuffle_differences(const std::int16_t* from, std::size_t count, std::uint8_t* to) {
+void shuffle_differences(const std::int16_t* from, std::size_t count, std::int16_t previous, std::uint8_t* low,
+                         std::uint8_t* high) {
   if (count == 0) return;
-  std::uint8_t *low = to, *high = to + count;
   const auto put = [&](std::size_t i, unsigned difference) {
     low[i] = static_cast<std::uint8_t>(difference);
     high[i] = static_cast<std::uint8_t>(difference >> 8);
   };
-  put(0, static_cast<std::uint16_t>(from[0]));
+  put(0, static_cast<unsigned>(from[0] - previous));
   std::size_t i = 1;
 #if defined(__x86_64__)
   const __m128i mask = _mm_set1_epi16(0xff);

@@ -135,17 +135,29 @@ ChunkEncoder::ChunkEncoder() : context_(std::make_unique<Context>()) {
 
 ChunkEncoder::~ChunkEncoder() = default;
 
-std::string ChunkEncoder::encode(std::span<float> values, const ZarrGrid& grid) {
+std::string ChunkEncoder::encode(const GridIndex& shape, const ReadLayers& read, const ZarrGrid& grid) {
+  const std::size_t layer = std::size_t{shape[0]} * shape[1], points = layer * shape[2];
   if (grid.codes.quantum > 0) {
-    codes_.resize(values.size());
-    shuffled_.resize(values.size() * sizeof(std::int16_t));
-    FiniteRange range;
-    quantise(values.data(), values.size(), grid.codes, codes_.data(), range);
-    shuffle_differences(codes_.data(), codes_.size(), shuffled_.data());
+    constexpr std::uint32_t kLayers = 4;
+    shuffled_.resize(points * sizeof(std::int16_t));
+    codes_.resize(layer * kLayers);
+    values_.resize(layer * kLayers);
+    std::int16_t previous = 0;
+    for (std::uint32_t z = 0; z < shape[2]; z += kLayers) {
+      const std::size_t count = layer * std::min(kLayers, shape[2] - z);
+      read(z, std::span(values_).first(count));
+      FiniteRange range;
+      quantise(values_.data(), count, grid.codes, codes_.data(), range);
+      std::uint8_t* const low = shuffled_.data() + layer * z;
+      shuffle_differences(codes_.data(), count, previous, low, low + points);
+      previous = codes_[count - 1];
+    }
   } else {
-    shuffled_.resize(values.size() * sizeof(float));
-    round_within(values.data(), values.size(), grid.rounding);
-    shuffle_floats(values.data(), values.size(), shuffled_.data());
+    values_.resize(points);
+    shuffled_.resize(points * sizeof(float));
+    read(0, values_);
+    round_within(values_.data(), points, grid.rounding);
+    shuffle_floats(values_.data(), points, shuffled_.data());
   }
   packed_.resize(std::max(packed_.size(), ZSTD_compressBound(shuffled_.size())));
   const std::size_t size = ZSTD_compressCCtx(context_->compressor, packed_.data(), packed_.size(), shuffled_.data(),

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -44,12 +45,15 @@ class ChunkEncoder : NonCopyable {
  public:
   ChunkEncoder();
   ~ChunkEncoder();
-  /// Encodes the values of a chunk as the metadata of the grid describe. Rounds `values`.
-  [[nodiscard]] std::string encode(std::span<float> values, const ZarrGrid& grid);
+  /// Function that stores the values of layers of a chunk, from the layer `first` on.
+  using ReadLayers = std::function<void(std::uint32_t first, std::span<float> values)>;
+  /// Encodes a chunk of this shape as the metadata of the grid describe. Codes need few layers in memory at a time.
+  [[nodiscard]] std::string encode(const GridIndex& shape, const ReadLayers& read, const ZarrGrid& grid);
 
  private:
   struct Context;
   std::unique_ptr<Context> context_;
+  std::vector<float> values_;
   std::vector<std::int16_t> codes_;
   std::vector<std::uint8_t> shuffled_;
   std::string packed_;

@@ -132,7 +132,7 @@ TEST_CASE("in situ codes: differences are shuffled by their places, modulo 2^16"
     std::vector<std::int16_t> codes(count);
     for (std::size_t i = 0; i < count; ++i) codes[i] = static_cast<std::int16_t>(i % 7 == 3 ? kMissingCode : i * 3119);
     std::vector<std::uint8_t> bytes(2 * count);
-    shuffle_differences(codes.data(), count, bytes.data());
+    shuffle_differences(codes.data(), count, 0, bytes.data(), bytes.data() + count);
     std::uint16_t sum = 0;
     for (std::size_t i = 0; i < count; ++i) {
       sum = static_cast<std::uint16_t>(sum + bytes[i] + 256 * bytes[count + i]);
