@@ -174,7 +174,7 @@ picture_splats-panel() {
   show 1000x600 demo-bonsai.qnv
   key ctrl+shift+g
   click 740 135 # add a crop box
-  drag 846 380 875 380 # exposure
+  drag 846 409 875 409 # exposure
   xdotool mousemove 300 560
   rest 4
   take splats-panel
