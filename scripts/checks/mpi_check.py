@@ -337,9 +337,10 @@ def main():
         equal_bytes(folder, "octree of a mesh that exceeds memory", large, little + ["--method", "octree"], (4,))
         equal_bytes(folder, "unstructured grid", grid, [], (3,))
         equal_bytes(folder, "grid that exceeds memory", large_grid, little, (1, 2, 3, 4))
-        equal_bytes(folder, "compressed grid that exceeds memory", packed_grid, little, (3,))
-        equal_bytes(folder, "grid in pieces that exceeds memory", pieces, little, (2, 4))
-        equal_bytes(folder, "octree of a grid that exceeds memory", large_grid, little + ["--method", "octree"], (2,))
+        octree = little + ["--method", "octree"]  # takes a fifth of the time
+        equal_bytes(folder, "octree of a grid that exceeds memory", large_grid, octree, (2,))
+        equal_bytes(folder, "compressed grid that exceeds memory", packed_grid, octree, (3,))
+        equal_bytes(folder, "grid in pieces that exceeds memory", pieces, octree, (2, 4))
         if options.splats > 0:
             write_splats(splats, options.splats)
             equal_bytes(folder, "%d splats" % options.splats, splats, [], (1, 2, 3, 4))
