@@ -68,7 +68,7 @@ def simulation(folder):
     source = os.path.join(HERE, "..", "app", "insitu", "python")
     environment = dict(os.environ, PYTHONPATH=source,
                        GHOSTSPACE_INSITU_LIBRARY=os.path.abspath(options.build) + "/lib/libghostspace-insitu.so")
-    return subprocess.Popen([sys.executable, os.path.join(source, "examples", options.example + ".py")] + common,
+    return subprocess.Popen(["/usr/bin/python3", os.path.join(source, "examples", options.example + ".py")] + common,
                             env=environment, stdout=subprocess.DEVNULL)
 
 

@@ -4,7 +4,10 @@
 
 #include <zlib.h>
 
+#include <atomic>
 #include <filesystem>
+#include <optional>
+#include <thread>
 
 #include <sys/stat.h>
 
@@ -324,21 +327,22 @@ TEST_CASE("HTTP server: passes POST without a body to its owner, and refuses bod
   CHECK(received.size() == 2);
   // An answer that is not ready blocks no other request.
   std::atomic<bool> ready{false};
-  site.options.post = [&](const PostRequest&) {
+  const auto answer_later = [&](const PostRequest&) {
     return PostAnswer{0, {}, [&]() -> std::optional<PostAnswer> {
                         if (!ready) return std::nullopt;
                         return PostAnswer{409, "too late"};
                       }};
   };
+  site.options.post = answer_later;
   site.start();
-  std::thread client([&] {
-    const Got late = site.get("/set?a=1", {}, "POST");
-    CHECK(late.status == 409);
-    CHECK(late.body == "too late\n");
-  });
+  Got late;
+  std::thread client([&] { late = site.get("/set?a=1", {}, "POST"); });
   CHECK(site.get("/x").body == "file");
   ready = true;
   client.join();
+  CHECK(late.status == 409);
+  CHECK(late.body == "too late\n");
+  site.options.post = answer_later;
   site.options.content_wait = std::chrono::milliseconds(20);
   ready = false;
   site.start();

@@ -261,7 +261,8 @@ void add_zarr_codecs(ZarrArray& array, const json& list, const ZarrTypeName& typ
       add_zarr_codecs(array, zarr_member(settings, "codecs"), type, true);
       array.codec_names = "shards of " + array.codec_names;
       has_bytes = true;
-    } else if (name == "numcodecs.delta" && !has_bytes) {
+    } else if (name == "numcodecs.delta") {
+      if (has_bytes) throw BadZarrMetadata{"the codec delta follows the codec bytes"};
       add_zarr_codec(array, name, settings);
     } else {
       if (!has_bytes)
