@@ -12,6 +12,7 @@ namespace gs::app {
 namespace {
 
 constexpr std::size_t kMostRanked = 200'000;  // maximum number of splats for percentiles
+constexpr double kCropMargin = 0.15;          // of a side, so that feet and hair stay inside
 
 SplatExtent extent_of_splats(const qnv::Gaussians& splats) {
   SplatExtent extent;
@@ -33,8 +34,9 @@ SplatExtent extent_of_splats(const qnv::Gaussians& splats) {
     low[axis] = at(0.01);
     high[axis] = at(0.99);
   }
-  extent.middle.add(origin + low);
-  extent.middle.add(origin + high);
+  const glm::dvec3 margin = (high - low) * kCropMargin;
+  extent.middle.add(glm::max(origin + low - margin, extent.whole.lower));
+  extent.middle.add(glm::min(origin + high + margin, extent.whole.upper));
   return extent;
 }
 

@@ -32,7 +32,7 @@ struct OnlySplats {
 /// Extent of splats before any edit, for the ranges of controls.
 struct SplatExtent {
   WideBox whole;      // of all centres, in source coordinates
-  WideBox middle;     // between the 1st and the 99th percentile of each coordinate
+  WideBox middle;     // from the 1st to the 99th percentile of each coordinate, with a margin
   float largest = 0;  // longest standard deviation
 };
 

@@ -22,8 +22,8 @@ using driver::Driver;
 
 /// User with an open file of 300 splats.
 struct SplatUser {
-  SplatUser() : user({}, {1100, 800}) {
-    const auto made = export_splats_ply(test::random_gaussians(300, 1));
+  explicit SplatUser(const qnv::Gaussians& splats = test::random_gaussians(300, 1)) : user({}, {1100, 800}) {
+    const auto made = export_splats_ply(splats);
     const auto& bytes = std::get<std::vector<std::byte>>(made);
     path = folder.write("scene.ply", std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
     user.session().opening().open_files({path});
@@ -112,12 +112,26 @@ TEST_CASE("takes edited splats in the first step after the thread that makes the
 TEST_CASE("knows the extent of the splats before the edit") {
   SplatUser it;
   const SplatExtent before = it.edits().extent(it.document().world);
-  CHECK(before.whole.lower.x < before.middle.lower.x);
-  CHECK(before.middle.upper.y < before.whole.upper.y);
+  CHECK(before.whole.lower.x <= before.middle.lower.x);
+  CHECK(before.middle.upper.y <= before.whole.upper.y);
   CHECK(before.largest > 0.9f);
   it.edits().set(crop_of(0.5), 1001, 1);
   REQUIRE(it.shows(left_by(crop_of(0.5))));
   CHECK(it.edits().extent(it.document().world).whole.upper == before.whole.upper);
+}
+
+TEST_CASE("puts the first crop box around a scene, and leaves floaters outside") {
+  qnv::Gaussians splats = test::random_gaussians(300, 1);
+  splats.positions[7] = {500, 0, 0};
+  SplatUser it(splats);
+  const SplatExtent extent = it.edits().extent(it.document().world);
+  CHECK(extent.whole.upper.x == Approx(500));
+  CHECK(extent.middle.upper.x < 50);
+  SplatEdit edit;
+  edit.box = SplatBox{extent.middle.lower, extent.middle.upper};
+  (void)edit_splats(splats, edit);
+  CHECK(splats.size() < 300);
+  CHECK(splats.size() > 290);  // the positions are normally distributed
 }
 
 TEST_CASE("edits only files of splats") {
