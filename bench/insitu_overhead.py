@@ -2,12 +2,14 @@
 """Measures the cost of libghostspace-insitu for an example: insitu_overhead.py BUILD [--example NAME] [--ranks N] [--viewer] [...]
 
 Runs BUILD/examples/insitu_NAME with and without the library, in turn, and prints medians of processor times and of the
-largest resident memory. BUILD is a folder such as build/release. Under MPI (--ranks), times are those of all ranks. By default
-the example serves its steps; --files lets it write streams instead. --viewer reads the world twice a second, and all chunks of
-each new step with the finest level, as a window does.
+largest resident memory. Then follows the processor time of the library on all of its threads, as it measures itself, which
+varies less than the difference of two runs. BUILD is a folder such as build/release. Under MPI (--ranks), times are those of all ranks. By default
+the example serves its steps; --files lets it write streams instead. --viewer reads the world four times a second, and all chunks
+of each new step with the finest level, as a window does.
 """
 import argparse
 import concurrent.futures
+import http.client
 import json
 import os
 import re
@@ -27,11 +29,13 @@ parser.add_argument("--pairs", type=int, default=3)
 parser.add_argument("--size", type=int, default=128)
 parser.add_argument("--steps", type=int, default=500)
 parser.add_argument("--every", type=int, default=100)
-parser.add_argument("--share", type=float, default=0.0)
+parser.add_argument("--share", type=float, default=-1.0, help="-1: the default of the library; 0: unlimited")
 parser.add_argument("--port", type=int, default=8127)
 parser.add_argument("--thin", action="store_true")
 parser.add_argument("--files", action="store_true")
 parser.add_argument("--viewer", action="store_true")
+parser.add_argument("--coarse", action="store_true", help="the viewer reads the coarsest level only")
+parser.add_argument("--poll", type=float, default=0.25, help="seconds between two requests of the world")
 options = parser.parse_args()
 
 
@@ -74,7 +78,7 @@ class Viewer:
         group = json.loads(self.get(container + "/zarr.json"))
         levels = group["consolidated_metadata"]["metadata"]
         with concurrent.futures.ThreadPoolExecutor(8) as pool:
-            for level in (str(len(levels) - 1), "0"):
+            for level in [str(len(levels) - 1)] + ["0"] * (not options.coarse):
                 counts = [-(-size // chunk) for size, chunk in
                           zip(levels[level]["shape"], levels[level]["chunk_grid"]["configuration"]["chunk_shape"])]
                 names = ["%s/%s/c.%d.%d.%d" % (container, level, z, y, x)
@@ -91,9 +95,9 @@ class Viewer:
                 if found and found.group(1) != shown:
                     shown = found.group(1)
                     self.show(shown)
-            except OSError:
+            except (OSError, http.client.HTTPException):
                 self.failures += 1
-            time.sleep(0.5)
+            time.sleep(options.poll)
 
 
 plain, library, viewers = [], [], []
@@ -113,8 +117,10 @@ for name, runs in (("without", plain), ("with", library)):
                                                        statistics.median(one[1] for one in runs)))
 ratios = [with_library[0] / without[0] for with_library, without in zip(library, plain)]
 print("ratio of each pair:", " ".join("%.4f" % one for one in ratios), "median %.4f" % statistics.median(ratios))
-for one in library:
-    print("share of each rank (%):", " ".join(re.findall(r"\(([\d.]+) %\)", one[2])))
+for one, without in zip(library, plain):
+    used = [float(seconds) for seconds in re.findall(r"([\d.]+) s of processor time", one[2])]
+    print("share of each rank (%):", " ".join(re.findall(r"\(([\d.]+) %\)", one[2])),
+          "- processor time of the library: %.3f s, %.2f %% of the run without it" % (sum(used), 100 * sum(used) / without[0]))
 for viewer in viewers:
     print("viewer: %d pictures, %.2f MB, first level after %.3f s, all levels after %.3f s (medians)" % (
         viewer.pictures, viewer.bytes / 1e6, statistics.median(viewer.first or [0]), statistics.median(viewer.full or [0])))

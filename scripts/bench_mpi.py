@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """Measures ghostspace-mpi: strong and weak scaling, memory of each rank, messages. Prints Markdown tables.
 
-usage: bench_mpi.py [--size X,Y,Z | --mesh FACETS | --input FILE] [--ranks 1,2,4] [--memory SIZE] [--weak]
-                    [--folder FOLDER] [-o OPTION]... [PROGRAM]
+usage: bench_mpi.py [--size X,Y,Z | --mesh FACETS | --grid CELLS | --splats COUNT | --input FILE] [--ranks 1,2,4]
+                    [--memory SIZE] [--weak] [--folder FOLDER] [-o OPTION]... [PROGRAM]
 
 The volume has noise and blobs, 16 bits per voxel. With --weak, each number of ranks gets as many times Z slices. --mesh
-encodes a wavy ball as binary STL instead; with --weak, each number of ranks gets as many times the facets. --input
-encodes a file. Checks that all ranks write the bytes of `ghostspace encode`. -o passes an option to both programs, as in
+encodes a wavy ball as binary STL instead, --grid warped hexahedra with holes as VTU, and --splats Gaussian splats on a
+wavy ball as PLY; with --weak, each number of ranks gets as many times the facets, cells or splats. --input encodes a file. Checks that all ranks write the bytes of `ghostspace encode`. -o passes an option to both programs, as in
 -o=--lossless. Bytes read are those of storage: the input leaves the page cache before each run.
 """
 
@@ -25,6 +25,8 @@ import numpy
 options = argparse.ArgumentParser(usage=__doc__)
 options.add_argument("--size", default="256,256,512")
 options.add_argument("--mesh", type=int)
+options.add_argument("--grid", type=int)
+options.add_argument("--splats", type=int)
 options.add_argument("--input")
 options.add_argument("--ranks", default="1,2,3,4")
 options.add_argument("--memory")
@@ -75,6 +77,64 @@ def write_mesh(path, facets):
             row["corners"][1::2] = numpy.stack([above[:-1], below[1:], above[1:]], axis=1)
             file.write(row.tobytes())
             above = below
+
+
+def write_grid(path, cells):
+    n = round(cells ** (1 / 3))
+    layers = cells // (n * n)
+    x, y = (one.ravel() for one in numpy.meshgrid(numpy.arange(n + 1), numpy.arange(n + 1)))
+    row, layer = n + 1, (n + 1) ** 2
+    first = (numpy.arange(n)[:, None] * row + numpy.arange(n)[None, :]).ravel()
+    hexahedron = numpy.array([0, 1, row + 1, row, layer, layer + 1, layer + row + 1, layer + row])
+    holes = [((first % row) // 5 + (first // row) // 7 + z // 3) % 13 != 0 for z in range(layers)]
+    kept, points = sum(int(one.sum()) for one in holes), layer * (layers + 1)
+    sizes = (("PointData", "Float32", "heat", 1, 4 * points), ("Points", "Float32", "Points", 3, 12 * points),
+             ("Cells", "Int64", "connectivity", 1, 64 * kept), ("Cells", "Int64", "offsets", 1, 8 * kept),
+             ("Cells", "UInt8", "types", 1, kept))
+    text, offset, section = "", 0, ""
+    for owner, kind, name, components, size in sizes:
+        if owner != section:
+            text += ("</%s>" % section if section else "") + "<%s>" % owner
+            section = owner
+        text += '<DataArray type="%s" Name="%s" NumberOfComponents="%d" format="appended" offset="%d"/>' % (
+            kind, name, components, offset)
+        offset += 8 + size
+    with open(path, "wb") as file:
+        file.write(('<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt64">'
+                    '<UnstructuredGrid><Piece NumberOfPoints="%d" NumberOfCells="%d">%s</Cells></Piece></UnstructuredGrid>'
+                    '<AppendedData encoding="raw">_' % (points, kept, text)).encode())
+        head = lambda size: file.write(numpy.uint64(size).tobytes())
+        head(sizes[0][4])
+        for z in range(layers + 1):
+            file.write((numpy.sin(x / 9) * numpy.cos(z / 7) + y / 50).astype("<f4").tobytes())
+        head(sizes[1][4])
+        for z in range(layers + 1):
+            file.write(numpy.stack([x + 0.2 * numpy.sin(y), y, z + 0.001 * x * x], axis=1).astype("<f4").tobytes())
+        head(sizes[2][4])
+        for z, some in enumerate(holes):
+            file.write((first[some][:, None] + hexahedron + z * layer).astype("<i8").tobytes())
+        head(sizes[3][4])
+        file.write((8 * numpy.arange(1, kept + 1)).astype("<i8").tobytes())
+        head(sizes[4][4])
+        file.write(numpy.full(kept, 12, "u1").tobytes())
+        file.write(b"</AppendedData></VTKFile>")
+
+
+def write_splats(path, count):
+    names = ("x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3").split()
+    random = numpy.random.default_rng(1)
+    with open(path, "wb") as file:
+        file.write(("ply\nformat binary_little_endian 1.0\nelement vertex %d\n%send_header\n" %
+                    (count, "".join("property float %s\n" % name for name in names))).encode())
+        for at in range(0, count, 1 << 18):
+            some = min(1 << 18, count - at)
+            normal = random.normal(0, 1, (some, 3))
+            normal /= numpy.linalg.norm(normal, axis=1)[:, None]
+            radius = 1 + 0.05 * numpy.sin(9 * normal[:, 0]) * numpy.sin(7 * normal[:, 1])
+            colors = numpy.sin(normal @ random.normal(0, 0.1, (3, 3)) + 5 * normal)
+            rest = numpy.stack([random.uniform(-2, 4, some), *(random.uniform(-7, -5, (3, some)))], axis=1)
+            rows = numpy.concatenate([normal * radius[:, None], colors, rest, random.normal(0, 1, (some, 4))], axis=1)
+            file.write(rows.astype("<f4").tobytes())
 
 
 class Reads(threading.Thread):
@@ -142,10 +202,12 @@ def encode(command, source, out):
 def main():
     nx, ny, nz = (int(one) for one in options.size.split(","))
     alone, out = (os.path.join(options.folder, "ghostspace-bench-mpi." + end) for end in ("alone.qnv", "qnv"))
-    source = options.input or os.path.join(options.folder, "ghostspace-bench-mpi." + ("stl" if options.mesh else "nrrd"))
+    ending = "stl" if options.mesh else "vtu" if options.grid else "ply" if options.splats else "nrrd"
+    source = options.input or os.path.join(options.folder, "ghostspace-bench-mpi." + ending)
     load = os.getloadavg()[0]
     what = ("a file of %d bytes" % os.path.getsize(source) if options.input else "mesh of %d facets" % options.mesh
-            if options.mesh else "volume %d x %d x %d" % (nx, ny, nz))
+            if options.mesh else "grid of %d cells" % options.grid if options.grid else "%d splats" % options.splats
+            if options.splats else "volume %d x %d x %d" % (nx, ny, nz))
     print("%d cores, load %.1f before, %s%s\n" % (os.cpu_count(), load, what, " per rank" if options.weak else ""))
     print("| program | time, s | most CPU time of a rank, s | bytes | most memory of a rank, MB | most read by a rank, MB | "
           "messages of a rank | sent by a rank, kB | largest, kB |")
@@ -156,6 +218,10 @@ def main():
         if times != made_for:
             if options.mesh:
                 write_mesh(source, options.mesh * times)
+            elif options.grid:
+                write_grid(source, options.grid * times)
+            elif options.splats:
+                write_splats(source, options.splats * times)
             elif not options.input:
                 write_volume(source, (nx, ny, nz * times))
             made_for = times

@@ -173,7 +173,7 @@ picture_measure() {
 picture_splats-panel() {
   show 1000x600 demo-bonsai.qnv
   key ctrl+shift+g
-  click 717 135 # crop box
+  click 740 135 # add a crop box
   drag 846 380 875 380 # exposure
   xdotool mousemove 300 560
   rest 4

@@ -61,6 +61,7 @@ class TogetherEncoding {
   std::string folder_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   ProgressBar progress_{leads()};  // the hidden output of the others is for errors
+  std::optional<SplatSurvey> survey_;  // of a large file of splats
   std::optional<EncodeInput> opened_;
   bool shared_ = false;  // each process encodes a part; otherwise rank 0 encodes alone
   std::unique_ptr<PartStore> store_;
@@ -76,7 +77,7 @@ bool TogetherEncoding::agreed(const std::optional<std::string>& own) {
 }
 
 std::optional<std::string> TogetherEncoding::open_here() {
-  opened_ = open_encode_input(options_, progress_);
+  opened_ = open_encode_input(options_, progress_, survey_ ? &*survey_ : nullptr);
   if (opened_) return std::nullopt;
   if (leads()) return kPrinted;
   return "rank " + std::to_string(ranks_.rank()) + ": " + team_.hidden_errors();
@@ -84,6 +85,7 @@ std::optional<std::string> TogetherEncoding::open_here() {
 
 // Opens the input on rank 0 first, and on the other ranks only if they encode parts of it.
 bool TogetherEncoding::open() {
+  survey_ = survey_encode_input(options_, ranks_);
   std::optional<std::string> problem;
   if (leads()) problem = open_here();
   if (!agreed(problem)) return false;
@@ -98,7 +100,7 @@ bool TogetherEncoding::open() {
 // Returns an error if the slices that a rank holds would exceed --memory.
 std::optional<std::string> TogetherEncoding::exceeds_memory() const {
   const auto* const volume = std::get_if<qnv::VolumeSource>(&opened_->input.content);
-  if (!volume) return std::nullopt;  // encoders of surfaces respect the limit
+  if (!volume) return std::nullopt;  // encoders of surfaces and splats respect the limit
   const auto& dimensions = volume->layout.dimensions;
   const std::uint64_t slices = volume->layout.labels ? 4 : 64, needed = slices * 4 * dimensions[0] * dimensions[1];
   if (needed <= options_.limits.memory) return std::nullopt;

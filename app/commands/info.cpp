@@ -411,6 +411,7 @@ void describe_input(JsonValue& facts, const OpenedInput& input, const ReadingTim
     // Gaussians are kept as they are. These texts describe what discs instead of them would lose.
     if (const auto* gaussians = geometry->as<qnv::Gaussians>()) {
       facts.put("harmonics", gaussians->degree);
+      facts.put("antialiased", gaussians->antialiased);
       std::erase_if(metadata,
                     [](const auto& pair) { return pair.first == kSplatsAsDiscs || pair.first == kThickSplats; });
     }

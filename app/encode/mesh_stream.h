@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/formats/common/color_key.h"
 #include "qnv/codecs/shared/encode_options.h"
 
 #include <glm/vec3.hpp>
@@ -22,7 +23,8 @@ struct MeshStream {
   std::uint64_t faces = 0;  // number of faces that the file contains
   glm::vec3 size{0};        // size of the bounding box; 0 if unknown before all triangles are read
   glm::dvec3 origin{0};     // origin of the triangle coordinates, in world units
-  qnv::TriangleSource source;
+  std::optional<ColorKey> color_key{};  // values that the colours represent
+  qnv::TriangleSource source{};
 };
 
 /// Callback that may release the first bytes of the file from memory. The argument is the number of these bytes.

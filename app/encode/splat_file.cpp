@@ -1,8 +1,9 @@
 #include "app/encode/splat_file.h"
 
-#include "app/formats/ply/ply_table.h"
+#include "app/formats/common/transfer.h"
+#include "app/formats/content_types.h"
 #include "app/formats/splats/splats.h"
-#include "qnv/codecs/gaussians/encode/gaussians_stream.h"
+#include "base/gzip.h"
 
 #include <algorithm>
 #include <charconv>
@@ -15,31 +16,22 @@
 namespace gs::app {
 namespace {
 
-// Number of rows per piece.
-constexpr std::size_t kPieceRows = std::size_t{1} << 15;
-
-/// Rows of a file, and the callback that releases them from memory.
-struct SplatRows {
-  PlyTable table;
-  std::size_t start = 0;  // offset of the rows in the file
+/// Splats of a file, and the callback that releases them from memory.
+struct FileRuns {
+  SplatRows rows;
+  std::size_t bytes = 0;  // size of the file
   PutAside put_aside;
 
-  /// Calls take(splats) for all pieces. Returns false if a call does, or if a piece cannot be read.
-  bool read(const std::function<bool(const qnv::Gaussians&)>& take) const {
-    const std::size_t row = table.element.least_row_bytes();
-    for (std::size_t first = 0; first < table.rows; first += kPieceRows) {
-      PlyTable piece;
-      piece.header = table.header;
-      piece.element = table.element;
-      piece.rows = std::min(kPieceRows, table.rows - first);
-      piece.element.count = piece.rows;
-      piece.data = table.data.subspan(first * row, piece.rows * row);
-      SplatModel model;
-      if (read_splats(piece, model, own_budget())) return false;
-      const qnv::Gaussians splats = vectors_of_splats(model);
-      if (!splats.empty() && !take(splats)) return false;
-      if (put_aside) put_aside(start + (first + piece.rows) * row);
-    }
+  [[nodiscard]] std::uint64_t runs() const { return (rows.count + kSplatRun - 1) / kSplatRun; }
+  /// Calls take(splats) for the splats of a run. Returns false if the call does, or if the run cannot be read.
+  bool read(std::uint64_t run, const std::function<bool(const qnv::Gaussians&)>& take) const {
+    const std::size_t first = static_cast<std::size_t>(run) * kSplatRun,
+                      count = std::min(kSplatRun, rows.count - first);
+    SplatModel model;
+    if (rows.read(first, count, own_budget(), model)) return false;
+    const qnv::Gaussians splats = vectors_of_splats(model);
+    if (!splats.empty() && !take(splats)) return false;
+    if (put_aside) put_aside(std::min(bytes, rows.start + (first + count) * rows.row_bytes));
     return true;
   }
 };
@@ -60,53 +52,139 @@ void add_piece(std::vector<std::pair<std::string, std::string>>& all,
   }
 }
 
-}  // namespace
-
-std::optional<SplatFile> open_splat_file(std::span<const std::byte> bytes, const PutAside& put_aside) {
-  return open_splat_file(bytes, qnv::kMostWholeGaussians, put_aside);
+/// Opens a file with more than `more_than` splats. Returns nullopt for other files.
+std::optional<FileRuns> runs_of(std::string_view path, std::span<const std::byte> bytes, std::size_t more_than,
+                                const PutAside& put_aside) {
+  if (is_gzip(bytes)) return std::nullopt;
+  const ContentType& type = content_type_of(path, first_bytes(bytes));
+  if (!type.open_rows) return std::nullopt;
+  auto opened = type.open_rows(bytes, own_budget());
+  auto* const rows = std::get_if<SplatRows>(&opened);
+  if (!rows || rows->count <= more_than) return std::nullopt;
+  return FileRuns{std::move(*rows), bytes.size(), put_aside};
 }
 
-std::optional<SplatFile> open_splat_file(std::span<const std::byte> bytes, std::size_t more_than,
-                                         const PutAside& put_aside) {
-  if (!is_splats_ply(bytes)) return std::nullopt;
-  const auto header = ply_header_of(bytes);
-  if (!header || header->format == PlyFormat::ascii) return std::nullopt;
-  auto opened = open_ply_table(bytes, "vertex");
-  auto* const table = std::get_if<PlyTable>(&opened);
-  if (!table || table->rows <= more_than) return std::nullopt;
-  const auto start = static_cast<std::size_t>(table->data.data() - bytes.data());
-  const auto rows = std::make_shared<const SplatRows>(SplatRows{std::move(*table), start, put_aside});
+/// Reads the runs of a rank.
+std::optional<SplatSurvey> own_survey(const FileRuns& file, const qnv::RankShare& runs) {
+  SplatSurvey survey;
+  for (std::uint64_t run = runs.first; run < runs.end; ++run) {
+    SplatSurvey::Run& here = survey.runs.emplace_back();
+    const bool good = file.read(run, [&](const qnv::Gaussians& splats) {
+      survey.degree = splats.degree;
+      survey.antialiased = splats.antialiased;
+      here.splats = splats.size();
+      const qnv::Description& own = splats.description;
+      survey.two_sided = own.two_sided;
+      here.area = own.total;
+      survey.box.add(own.origin + glm::dvec3(own.box.lower));
+      survey.box.add(own.origin + glm::dvec3(own.box.upper));
+      add_piece(survey.metadata, own.metadata);
+      return true;
+    });
+    if (!good) return std::nullopt;
+  }
+  return survey;
+}
+
+std::vector<std::byte> bytes_of(const SplatSurvey& survey) {
+  TransferWriter to;
+  to.list(survey.runs);
+  to.value(survey.degree);
+  to.value<std::uint8_t>(survey.antialiased);
+  to.value<std::uint8_t>(survey.two_sided);
+  to.value(survey.box);
+  to.value<std::uint64_t>(survey.metadata.size());
+  for (const auto& [key, value] : survey.metadata) {
+    to.text(key);
+    to.text(value);
+  }
+  return to.take();
+}
+
+/// Adds the runs of the next rank.
+void add_survey(SplatSurvey& all, TransferReader& from) {
+  const auto runs = from.list<SplatSurvey::Run>();
+  all.runs.insert(all.runs.end(), runs.begin(), runs.end());
+  const int degree = from.value<int>();
+  const bool antialiased = from.truth(), two_sided = from.truth();
+  const auto box = from.value<WideBox>();
+  std::vector<std::pair<std::string, std::string>> metadata(from.count(2 * sizeof(std::uint64_t)));
+  for (auto& [key, value] : metadata) {
+    key = from.text();
+    value = from.text();
+  }
+  if (box.empty()) return;  // the rank has no splats
+  all.degree = degree;
+  all.antialiased = antialiased;
+  all.two_sided = two_sided;
+  all.box.add(box);
+  add_piece(all.metadata, metadata);
+}
+
+}  // namespace
+
+std::optional<SplatSurvey> survey_splats(std::string_view path, std::span<const std::byte> bytes, std::size_t more_than,
+                                         const PutAside& put_aside, qnv::Ranks& ranks) {
+  const auto file = runs_of(path, bytes, more_than, put_aside);
+  const auto own = file ? own_survey(*file, qnv::share_of(ranks, file->runs())) : std::nullopt;
+  if (ranks.count() == 1) return own;
+  const std::vector<std::byte> text = own ? bytes_of(*own) : std::vector<std::byte>();
+  const std::uint64_t size = text.size();
+  const auto sizes = qnv::gather_records<std::uint64_t>(ranks, std::span(&size, 1));
+  const std::vector<std::byte> all = ranks.gather(text);
+  if (std::ranges::find(sizes, std::uint64_t{0}) != sizes.end()) return std::nullopt;
+  try {
+    SplatSurvey survey;
+    for (TransferReader from(all); !from.empty();) add_survey(survey, from);
+    return survey;
+  } catch (const Impossible&) {
+    return std::nullopt;
+  }
+}
+
+std::optional<SplatFile> open_splat_file(std::string_view path, std::span<const std::byte> bytes, std::size_t more_than,
+                                         const PutAside& put_aside, const SplatSurvey* known) {
+  auto opened = runs_of(path, bytes, more_than, put_aside);
+  if (!opened) return std::nullopt;
+  const auto runs = std::make_shared<const FileRuns>(std::move(*opened));
+  std::optional<SplatSurvey> read;
+  if (!known) read = own_survey(*runs, {0, runs->runs()});
+  const SplatSurvey* const survey = known ? known : read ? &*read : nullptr;
+  if (!survey || survey->runs.size() != runs->runs()) return std::nullopt;
   SplatFile file;
   qnv::GaussianSource& source = file.source;
   qnv::Description& description = source.base.description;
-  WideBox box;
-  const bool good = rows->read([&](const qnv::Gaussians& splats) {
-    source.degree = splats.degree;
-    source.antialiased = splats.antialiased;
-    source.count += splats.size();
-    const qnv::Description& own = splats.description;
-    description.two_sided = own.two_sided;
-    description.total += own.total;
-    box.add(own.origin + glm::dvec3(own.box.lower));
-    box.add(own.origin + glm::dvec3(own.box.upper));
-    add_piece(description.metadata, own.metadata);
-    return true;
-  });
+  source.degree = survey->degree;
+  source.antialiased = survey->antialiased;
+  description.two_sided = survey->two_sided;
+  description.metadata = survey->metadata;
+  for (const SplatSurvey::Run& run : survey->runs) {
+    source.count += run.splats;
+    source.runs.push_back(run.splats);
+    description.total += run.area;
+  }
   const auto kept = [](const auto& pair) { return pair.first == kSplatsAsDiscs; };
-  if (!good || source.count == 0 || std::ranges::none_of(description.metadata, kept)) return std::nullopt;
-  if (rows->table.element.count > rows->table.rows)
-    description.metadata.emplace_back("splats missing", std::to_string(rows->table.element.count - rows->table.rows));
+  if (source.count == 0 || std::ranges::none_of(description.metadata, kept)) return std::nullopt;
+  if (runs->rows.announced > runs->rows.count)
+    description.metadata.emplace_back("splats missing", std::to_string(runs->rows.announced - runs->rows.count));
+  const WideBox& box = survey->box;
   description.origin = qnv::local_origin(box);
   description.box.add(glm::vec3(box.lower - description.origin));
   description.box.add(glm::vec3(box.upper - description.origin));
-  source.read = [rows, origin = description.origin](const std::function<bool(const qnv::Gaussians&)>& take) {
-    return rows->read([&](const qnv::Gaussians& splats) {
+  source.read_run = [runs, origin = description.origin](std::uint64_t run,
+                                                        const std::function<bool(const qnv::Gaussians&)>& take) {
+    return runs->read(run, [&](const qnv::Gaussians& splats) {
       if (splats.description.origin == origin) return take(splats);
       qnv::Gaussians moved = splats;
       const glm::dvec3 move = splats.description.origin - origin;
       for (glm::vec3& p : moved.positions) p = glm::vec3(glm::dvec3(p) + move);
       return take(moved);
     });
+  };
+  source.read = [read_run = source.read_run, count = runs->runs()](const auto& take) {
+    for (std::uint64_t run = 0; run < count; ++run)
+      if (!read_run(run, take)) return false;
+    return true;
   };
   return file;
 }

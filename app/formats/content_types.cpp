@@ -157,9 +157,20 @@ std::span<const ContentType> content_types() {
         text_type("VRML 1.0", "model/vrml", "", is_vrml_1, vrml::Grammar::inventor),
         text_type("Inventor", "application/x-inventor", ".iv ", is_inventor, vrml::Grammar::inventor),
         {"QNV", "model/x-qnv", ".qnv ", qnv::is_stream, ContentClass::stream},
-        {"compressed splats PLY", "application/x-ply", "", is_splats_compressed_ply, kSplats,
-         read_vectors<import_splats_compressed_ply>},
-        {"splats PLY", "application/x-ply", "", is_splats_ply, kSplats, read_vectors<import_splats_ply>},
+        {.name = "compressed splats PLY",
+         .mime = "application/x-ply",
+         .extensions = "",
+         .sniff = is_splats_compressed_ply,
+         .content = kSplats,
+         .read = read_vectors<import_splats_compressed_ply>,
+         .open_rows = open_compressed_ply_rows},
+        {.name = "splats PLY",
+         .mime = "application/x-ply",
+         .extensions = "",
+         .sniff = is_splats_ply,
+         .content = kSplats,
+         .read = read_vectors<import_splats_ply>,
+         .open_rows = open_splats_ply_rows},
         {"points PLY", "application/x-ply", "", is_points_ply, kSplats, read_vectors<import_points_ply>,
          UpRule::survey},
         kPlyFormat,
@@ -184,7 +195,12 @@ std::span<const ContentType> content_types() {
         {"SOG", "application/zip", ".sog ", is_splats_sog, kSplats, read_splats_sog},
         {"RAD", "model/x-rad", ".rad ", is_splats_rad, kSplats, read_splats_rad},
         {"streamed SOG", "application/json", "", is_splats_sog_levels, kSplats, read_splats_sog_levels},
-        {"splats", "model/x-splat", ".splat ", nullptr, kSplats, read_vectors<import_splats_antimatter>},
+        {.name = "splats",
+         .mime = "model/x-splat",
+         .extensions = ".splat ",
+         .content = kSplats,
+         .read = read_vectors<import_splats_antimatter>,
+         .open_rows = open_antimatter_rows},
         {"KSplat", "model/x-ksplat", ".ksplat ", nullptr, kSplats, read_vectors<import_splats_ksplat>},
         {"points", "text/x-xyz", ".xyz ", nullptr, kSplats, read_vectors<import_points_xyz>, UpRule::survey},
     };
@@ -229,8 +245,7 @@ const ContentType& type_of_content(const ContentType& type, const ImportSource& 
   if (!source.local || DecoderPool::of_program().program().empty())
     return type.holds_mesh(source) ? *type.mesh_type : type;
   // A child tries to open it as a volume.
-  const auto opened =
-      open_volume_confined(
+  const auto opened = open_volume_confined(
       source.path, {}, {source.read_file, source.name, source.component, {}, {}, source.need}, source.budget);
   const auto* const problem = std::get_if<std::string>(&opened);
   return problem && problem->ends_with(kIsMesh) ? *type.mesh_type : type;

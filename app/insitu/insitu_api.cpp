@@ -46,6 +46,7 @@ void gs_insitu_options_init(gs_insitu_options* options, size_t size) {
   defaults.size = size;
   defaults.relative_error = 0.001;
   defaults.every = 1;
+  defaults.max_share = GS_INSITU_USUAL_SHARE;
   defaults.max_memory = std::uint64_t{256} << 20;
   defaults.threads = 1;
   std::memset(options, 0, size);

@@ -7,18 +7,11 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <system_error>
 #include <utility>
 
 namespace gs::app::insitu {
 namespace {
-
-/// Decision of rank 0 about a step, broadcast to all ranks.
-struct StepDecision {
-  std::uint32_t take = 0, parameters = 0, chunks = 0;
-  std::int64_t next_contact = 0;
-  std::array<double, Parameters::kMaxParameters> values{};
-  std::array<WantedChunk, 8> chunk{};  // chunks that all ranks send now
-};
 
 struct OpenResult {
   std::uint32_t failed = 0;
@@ -36,23 +29,32 @@ PartFacts facts_of_parts(const std::vector<View>& parts) {
   return facts;
 }
 
+// Default shares of run time: for grids that ranks keep for requests, and for data that are encoded at once, which cost
+// more for the first picture.
+constexpr double kShareOfKept = 0.02, kShareOfEncoded = 0.1;
+
+constexpr const char* kNoMemory = "a rank has not enough memory for the step; set a smaller max_memory";
+
 std::string text_or(const char* text, const char* fallback) { return text && *text ? text : fallback; }
 
 }  // namespace
 
 class InSituSession::OwnTime {
  public:
-  explicit OwnTime(Shared& shared) : shared_(shared) {}
+  explicit OwnTime(InSituSession& session) : session_(session), shared_(session.shared_) {}
   OwnTime(const OwnTime&) = delete;
   OwnTime& operator=(const OwnTime&) = delete;
   ~OwnTime() {
     const std::lock_guard lock(shared_.mutex);
-    shared_.own_seconds += std::chrono::duration<double>(Clock::now() - began_).count();
+    shared_.own_seconds += session_.spent() - began_;
+    shared_.processor_seconds += thread_seconds() - processor_began_;
   }
 
  private:
+  InSituSession& session_;
   Shared& shared_;
-  const Clock::time_point began_ = Clock::now();
+  const double began_ = session_.spent();
+  const double processor_began_ = thread_seconds();
 };
 
 std::variant<SessionOptions, std::string> session_options(const gs_insitu_options& given) {
@@ -82,8 +84,11 @@ std::variant<SessionOptions, std::string> session_options(const gs_insitu_option
     return "the error is 0; expected an error or a relative_error above 0";
   result.error = options.error;
   result.relative_error = options.relative_error;
-  if (!(options.max_share >= 0) || !(options.max_share <= 1)) return "max_share is invalid; expected 0 to 1";
-  result.max_share = options.max_share;
+  const bool usual = options.max_share == GS_INSITU_USUAL_SHARE;
+  if (!usual && (!(options.max_share >= 0) || !(options.max_share <= 1)))
+    return "max_share is invalid; expected 0 to 1, or GS_INSITU_USUAL_SHARE";
+  result.usual_share = usual && result.serve && result.folder.empty();
+  result.max_share = !usual ? options.max_share : result.usual_share ? kShareOfKept : 0;
   if (options.every < 1) return "every is " + std::to_string(options.every) + "; expected 1 or more";
   result.every = options.every;
   result.max_memory = std::max<std::uint64_t>(options.max_memory, 1);
@@ -101,20 +106,17 @@ std::variant<std::unique_ptr<InSituSession>, std::string> InSituSession::open(
   std::unique_ptr<InSituSession> made(new InSituSession(options, communicator));
   OpenResult result;
   if (made->ranks_.is_first()) {
-    auto started = Publisher::start({options.folder,
-                                     options.serve,
-                                     options.port,
-                                     options.bind,
-                                     options.token_file,
-                                     options.live_file,
-                                     options.title,
-                                     {[session = made.get()] { return session->share_permits(); },
-                                      [session = made.get()](double seconds, std::size_t bytes) {
-                                        const std::lock_guard lock(session->shared_.mutex);
-                                        session->shared_.own_seconds += seconds;
-                                        session->shared_.stream_bytes += bytes;
-                                      }}},
-                                    made->parameters_);
+    auto started = Publisher::start(
+        {options.folder,
+         options.serve,
+         options.port,
+         options.bind,
+         options.token_file,
+         options.live_file,
+         options.title,
+         {[session = made.get()] { return session->share_permits(); },
+          [session = made.get()](double overview, std::size_t bytes) { session->charge_server(overview, bytes); }}},
+        made->parameters_);
     if (auto* problem = std::get_if<std::string>(&started)) {
       result.failed = 1;
       std::copy_n(problem->data(), std::min(problem->size(), result.message.size() - 1), result.message.data());
@@ -130,6 +132,8 @@ std::variant<std::unique_ptr<InSituSession>, std::string> InSituSession::open(
 InSituSession::~InSituSession() { wait_for_background(); }
 
 double InSituSession::now() const { return std::chrono::duration<double>(Clock::now() - began_).count(); }
+
+double InSituSession::spent() const { return thread_seconds() + ranks_.blocked() + waited_; }
 
 double InSituSession::own() const {
   const std::lock_guard lock(shared_.mutex);
@@ -156,31 +160,13 @@ int InSituSession::begin_step(std::int64_t step, double time) {
   if (open_step_) return fail(GS_INSITU_INVALID, "the previous step has not ended; call gs_insitu_end_step() first");
   const std::int64_t number = steps_++;
   if (number < next_contact_) return GS_INSITU_SKIPPED;
-  step_began_ = own();
-  const OwnTime timer(shared_);
+  const double begun = spent();
+  const OwnTime timer(*this);
   StepDecision decision;
-  if (ranks_.is_first()) {
-    bool busy = false;
-    {
-      const std::lock_guard lock(shared_.mutex);
-      busy = shared_.busy;
-      if (std::exchange(shared_.cost_is_new, false)) pace_.note_cost(shared_.cost, shared_.cost_bytes);
-    }
-    log_messages();
-    const bool wanted = publisher_->is_wanted();
-    const double used = std::max(own(), slowest_own_), at = now();
-    const bool take = step >= 0 && wanted && !busy && pace_.may_take(number, at, used);
-    decision.take = take ? 1 : 0;
-    const double interval = publisher_->has_viewer() ? StepPace::kQuickContact : StepPace::kContactSeconds;
-    decision.next_contact = number + pace_.steps_until_contact(number, at, used, wanted, interval);
-    if (ranks_.count() > 1 && share_permits()) {
-      const std::vector<WantedChunk> chunks = publisher_->take_wanted(decision.chunk.size());
-      std::ranges::copy(chunks, decision.chunk.begin());
-      decision.chunks = static_cast<std::uint32_t>(chunks.size());
-    }
-    const std::vector<double> values = parameters_.take_wanted();
-    decision.parameters = static_cast<std::uint32_t>(values.size());
-    std::ranges::copy(values, decision.values.begin());
+  decision.next_contact = number + 1;
+  if (ranks_.is_first() && !ranks_.attempt("decide", [&] { decide(step, number, decision); })) {
+    decision = {};
+    decision.next_contact = number + 1;
   }
   if (!ranks_.broadcast(decision)) return fail(GS_INSITU_FAILED, "the communicator failed");
   if (!ranks_.is_first() && decision.parameters <= decision.values.size())
@@ -193,7 +179,33 @@ int InSituSession::begin_step(std::int64_t step, double time) {
   open_step_ = true;
   step_ = step;
   time_ = time;
+  step_cost_ = spent() - begun;
   return GS_INSITU_OK;
+}
+
+// Decides on rank 0 whether the step is taken, and what the ranks send.
+void InSituSession::decide(std::int64_t step, std::int64_t number, StepDecision& decision) {
+  bool busy = false;
+  {
+    const std::lock_guard lock(shared_.mutex);
+    busy = shared_.busy;
+    if (std::exchange(shared_.cost_is_new, false)) pace_.note_cost(shared_.cost, shared_.cost_bytes);
+  }
+  log_messages();
+  const bool wanted = publisher_->is_wanted();
+  const double used = std::max(own(), slowest_own_), at = now();
+  const bool take = step >= 0 && wanted && !busy && pace_.may_take(number, at, used);
+  decision.take = take ? 1 : 0;
+  const double interval = publisher_->has_viewer() ? StepPace::kQuickContact : StepPace::kContactSeconds;
+  decision.next_contact = number + pace_.steps_until_contact(number, at, used, wanted, interval);
+  if (ranks_.count() > 1 && share_permits()) {
+    const std::vector<WantedChunk> chunks = publisher_->take_wanted(decision.chunk.size());
+    std::ranges::copy(chunks, decision.chunk.begin());
+    decision.chunks = static_cast<std::uint32_t>(chunks.size());
+  }
+  const std::vector<double> values = parameters_.take_wanted();
+  decision.parameters = static_cast<std::uint32_t>(values.size());
+  std::ranges::copy(values, decision.values.begin());
 }
 
 int InSituSession::pass_block(const gs_insitu_block& block) {
@@ -261,22 +273,27 @@ void InSituSession::choose_fields(std::span<const RankFacts> all) {
 bool InSituSession::gather_step(const StepPlan& plan, StepData& data) {
   // A background thread needs copies, because the caller may change its arrays while the thread encodes.
   const bool copy = options_.background;
+  const auto keep = [this](auto& list, auto value) {
+    if (!ranks_.attempt("list", [&] { list.push_back(std::move(value)); })) problem_ = kNoMemory;
+  };
   if (plan.keeps != 0 && !keep_step(plan, data)) return false;
   for (std::size_t i = 0; i < plan.grid_fields; ++i) {
     GridValues values;
-    if (!gather_grid(ranks_, blocks_, plan, plan.grid_field[i], copy, values)) return false;
-    if (ranks_.is_first()) data.grids.push_back(std::move(values));
+    bool complete = true;
+    if (!gather_grid(ranks_, blocks_, plan, plan.grid_field[i], copy, values, complete)) return false;
+    if (!complete) problem_ = kNoMemory;
+    if (ranks_.is_first() && complete) keep(data.grids, std::move(values));
   }
   std::uint64_t left_out = 0;
   if (plan.has_cells != 0) {
     SurfaceValues values;
     if (!gather_surface(ranks_, cells_, plan, values, left_out)) return false;
-    data.surfaces.push_back(std::move(values));
+    keep(data.surfaces, std::move(values));
   }
   if (plan.has_particles != 0) {
     ParticleValues values;
     if (!gather_particles(ranks_, particles_, plan, values)) return false;
-    data.particles.push_back(std::move(values));
+    keep(data.particles, std::move(values));
   }
   if (left_out > 0 && options_.log)
     options_.log("step " + std::to_string(step_) + ": " + std::to_string(left_out) +
@@ -287,16 +304,29 @@ bool InSituSession::gather_step(const StepPlan& plan, StepData& data) {
 int InSituSession::end_step() {
   if (!open_step_) return fail(GS_INSITU_INVALID, "no step has begun; call gs_insitu_begin_step() first");
   const Clock::time_point ended = Clock::now();
-  std::optional<OwnTime> timer(std::in_place, shared_);
+  const double begun = spent();
+  std::optional<OwnTime> timer(std::in_place, *this);
   open_step_ = false;
-  const RankFacts facts = own_facts();
-  std::vector<RankFacts> all(ranks_.is_first() ? static_cast<std::size_t>(ranks_.count()) : 0);
-  bool sound = ranks_.gather(&facts, sizeof facts, all.data());
+  problem_ = nullptr;
+  RankFacts facts;
+  bool able = false;
+  const bool own_able = ranks_.attempt("facts", [&] { facts = own_facts(); });
+  bool sound = ranks_.agree(own_able, able) && ranks_.gather(&facts, sizeof facts, facts_.data());
   StepPlan plan;
   if (sound && ranks_.is_first()) {
-    plan = make_plan(all);
-    for (const RankFacts& rank : all) slowest_own_ = std::max(slowest_own_, rank.own_seconds);
-    choose_fields(all);
+    const bool planned = able && ranks_.attempt("plan", [&] {
+      plan = make_plan(facts_);
+      for (const RankFacts& rank : facts_) slowest_own_ = std::max(slowest_own_, rank.own_seconds);
+      choose_fields(facts_);
+    });
+    if (!planned) {
+      plan = {};
+      std::copy_n(kNoMemory, std::strlen(kNoMemory) + 1, plan.problem.data());
+    }
+  }
+  if (ranks_.is_first() && options_.usual_share) {
+    share_ = plan.keeps != 0 ? kShareOfKept : kShareOfEncoded;
+    pace_.set_share(share_);
   }
   StepData data{step_, time_, {}, {}, {}, {}};
   sound = sound && ranks_.broadcast(plan) && (plan.problem[0] != 0 || gather_step(plan, data));
@@ -305,13 +335,14 @@ int InSituSession::end_step() {
   peak_bytes_ = std::max(peak_bytes_, held_bytes);
   const std::uint64_t grid_bytes = data.grid_bytes();
   ++taken_;
-  if (!sound || plan.problem[0] != 0) {
+  if (sound && problem_ == nullptr && plan.problem[0] != 0) problem_ = plan.problem.data();
+  if (!sound || problem_ != nullptr) {
     clear_step();
-    return fail(GS_INSITU_FAILED, sound ? plan.problem.data() : "the communicator failed");
+    return fail(GS_INSITU_FAILED, sound ? problem_ : "the communicator failed");
   }
   if (ranks_.is_first()) {
     if (options_.background) {
-      const double cost = std::chrono::duration<double>(Clock::now() - ended).count();
+      const double cost = spent() - begun;
       {
         const std::lock_guard lock(shared_.mutex);
         shared_.cost = cost;
@@ -319,12 +350,18 @@ int InSituSession::end_step() {
       }
       start_background(std::move(data), ended);
     } else {
-      encode_and_publish(data, ended);
+      waited_ += encode_and_publish(data, ended);
     }
   }
   clear_step();
   timer.reset();
-  if (ranks_.is_first() && !options_.background) pace_.note_cost(own() - step_began_, grid_bytes);
+  step_cost_ += spent() - begun;
+  if (ranks_.is_first() && !options_.background) {
+    // Viewers request the overview of each kept step.
+    const std::lock_guard lock(shared_.mutex);
+    pace_.note_cost(step_cost_ + (data.served ? shared_.overview_seconds : 0), grid_bytes);
+    shared_.reserve = pace_.cost();
+  }
   log_messages();
   return GS_INSITU_OK;
 }
@@ -335,7 +372,9 @@ void InSituSession::clear_step() {
   particles_.clear();
 }
 
-void InSituSession::encode_and_publish(const StepData& data, Clock::time_point ended) {
+// Returns the seconds in which the output blocked without using the processor.
+double InSituSession::encode_and_publish(const StepData& data, Clock::time_point ended) {
+  double waited = 0;
   std::vector<std::string> problems;
   std::uint64_t bytes = 0;
   double error = 0;
@@ -348,10 +387,16 @@ void InSituSession::encode_and_publish(const StepData& data, Clock::time_point e
       error = std::max(error, stream.max_error);
       thinning = std::max(thinning, stream.thinning);
     }
+    const Clock::time_point begun = Clock::now();
+    const double processor = thread_seconds();
     if (auto problem = publisher_->publish(data.step, data.time, std::move(streams)))
       problems.push_back(std::move(*problem));
+    const double passed = std::chrono::duration<double>(Clock::now() - begun).count();
+    waited = std::max(passed - (thread_seconds() - processor), 0.0);
   } catch (const std::bad_alloc&) {
     problems.emplace_back("not enough memory to encode step " + std::to_string(data.step));
+  } catch (const std::exception& problem) {
+    problems.emplace_back("step " + std::to_string(data.step) + " cannot be encoded: " + problem.what());
   }
   const std::lock_guard lock(shared_.mutex);
   shared_.last_seconds = std::chrono::duration<double>(Clock::now() - ended).count();
@@ -359,6 +404,7 @@ void InSituSession::encode_and_publish(const StepData& data, Clock::time_point e
   shared_.max_error = error;
   shared_.thinning = thinning;
   std::ranges::move(problems, std::back_inserter(shared_.messages));
+  return waited;
 }
 
 void InSituSession::start_background(StepData data, Clock::time_point ended) {
@@ -367,15 +413,24 @@ void InSituSession::start_background(StepData data, Clock::time_point ended) {
     const std::lock_guard lock(shared_.mutex);
     shared_.busy = true;
   }
-  background_ = std::thread([this, data = std::move(data), ended] {
-    encode_and_publish(data, ended);
+  const auto held = std::make_shared<StepData>(std::move(data));
+  const auto work = [this, held, ended] {
+    (void)encode_and_publish(*held, ended);
     const double used = thread_seconds();
     const std::lock_guard lock(shared_.mutex);
     shared_.own_seconds += used;
+    shared_.processor_seconds += used;
     shared_.cost += used;
     shared_.cost_is_new = true;
     shared_.busy = false;
-  });
+  };
+  try {
+    background_ = std::thread(work);
+  } catch (const std::system_error&) {
+    waited_ += encode_and_publish(*held, ended);
+    const std::lock_guard lock(shared_.mutex);
+    shared_.busy = false;
+  }
 }
 
 void InSituSession::wait_for_background() {
@@ -407,6 +462,7 @@ gs_insitu_statistics InSituSession::statistics() const {
   all.peak_bytes = peak_bytes_;
   const std::lock_guard lock(shared_.mutex);
   all.own_seconds = shared_.own_seconds;
+  all.processor_seconds = shared_.processor_seconds;
   all.last_seconds = shared_.last_seconds;
   all.stream_bytes = shared_.stream_bytes;
   all.max_error = shared_.max_error;

@@ -12,6 +12,8 @@
 #include "app/insitu/step_streams.h"
 #include "base/noncopyable.h"
 
+#include <array>
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -33,13 +35,29 @@ struct SessionOptions {
   bool serve = false, background = false, thin = false;
   std::uint16_t port = 0;
   double error = 0, relative_error = 0.001, max_share = 0;
+  bool usual_share = false;  // the caller left the choice of max_share to the library
   std::int64_t every = 1;
   std::uint64_t max_memory = std::uint64_t{256} << 20;
   unsigned threads = 1;
   std::function<void(const std::string& message)> log;
+  std::function<void(const char* part)> fault;  // for tests: Ranks::set_fault()
 };
 /// Reads the options of a caller. Returns the problem if they are invalid.
 [[nodiscard]] std::variant<SessionOptions, std::string> session_options(const gs_insitu_options& options);
+
+/// Range and error of the values that a rank keeps.
+struct KeptFacts {
+  FiniteRange range;
+  float error = 0;
+};
+
+/// Decision of rank 0 about a step, broadcast to all ranks.
+struct StepDecision {
+  std::uint32_t take = 0, parameters = 0, chunks = 0;
+  std::int64_t next_contact = 0;
+  std::array<double, Parameters::kMaxParameters> values{};
+  std::array<WantedChunk, 8> chunk{};  // chunks that all ranks send now
+};
 
 /// Session of one rank (gs_insitu). One thread. On rank 0, the session may own a background thread that encodes.
 class InSituSession : NonCopyable {
@@ -65,27 +83,39 @@ class InSituSession : NonCopyable {
 
  private:
   using Clock = std::chrono::steady_clock;
-  /// Adds the wall time of its scope to the library's own time.
+  /// Adds the time of its scope to the library's own time.
   class OwnTime;
 
   InSituSession(const SessionOptions& options, const gs_insitu_communicator* communicator)
-      : options_(options), ranks_(communicator), pace_(options.max_share, options.every) {}
+      : options_(options), share_(options.max_share), ranks_(communicator), pace_(options.max_share, options.every) {
+    ranks_.set_fault(options.fault);
+    if (ranks_.is_first()) facts_.resize(static_cast<std::size_t>(ranks_.count()));
+    kept_facts_.resize(facts_.size());
+  }
   [[nodiscard]] double now() const;
+  /// Returns the processor time of the calling thread, plus the time in which the library blocked it. The time in which
+  /// other programs use the processor does not count.
+  [[nodiscard]] double spent() const;
   [[nodiscard]] double own() const;
   [[nodiscard]] RankFacts own_facts() const;
   [[nodiscard]] StepPlan make_plan(std::span<const RankFacts> all);
+  void decide(std::int64_t step, std::int64_t number, StepDecision& decision);
   [[nodiscard]] bool gather_step(const StepPlan& plan, StepData& data);
   [[nodiscard]] bool keep_step(const StepPlan& plan, StepData& data);
+  void serve_kept(const StepPlan& plan, const std::shared_ptr<KeptField>& field, StepData& data);
   [[nodiscard]] bool send_chunks(std::span<const WantedChunk> wanted);
   [[nodiscard]] bool share_permits() const;
+  /// Charges the processor time of the server's thread, which calls this.
+  void charge_server(double overview, std::size_t bytes);
   void choose_fields(std::span<const RankFacts> all);
-  void encode_and_publish(const StepData& data, Clock::time_point ended);
+  double encode_and_publish(const StepData& data, Clock::time_point ended);
   void start_background(StepData data, Clock::time_point ended);
   void wait_for_background();
   void clear_step();
   void log_messages();
 
   const SessionOptions options_;
+  std::atomic<double> share_;  // maximum share of run time; 0 means unlimited
   Ranks ranks_;
   StepPace pace_;
   Parameters parameters_;
@@ -93,6 +123,10 @@ class InSituSession : NonCopyable {
   FiniteRange kept_range_;                       // of this rank's values in the newest of them
   std::uint64_t serial_ = 0;                     // of the newest of them, on rank 0
   std::string error_;
+  const char* problem_ = nullptr;  // reason why the open step is incomplete
+  // Facts of each rank, on rank 0. Allocated once, so that no allocation can fail between two collective functions.
+  std::vector<RankFacts> facts_;
+  std::vector<KeptFacts> kept_facts_;
   const Clock::time_point began_ = Clock::now();
 
   std::int64_t steps_ = 0, next_contact_ = 0;  // number of begun steps; number of the next step at which ranks agree
@@ -104,12 +138,17 @@ class InSituSession : NonCopyable {
   std::vector<ParticlesView> particles_;
   std::uint64_t taken_ = 0, peak_bytes_ = 0;
   double slowest_own_ = 0;  // own time of the slowest rank, as far as rank 0 knows
-  double step_began_ = 0;   // own time when the step began
+  double step_cost_ = 0;    // time in the calls of the open step
+  double waited_ = 0;       // time in which the output blocked the calling thread
 
   /// State shared with the background thread.
   struct Shared {
     mutable std::mutex mutex;
     double own_seconds = 0, last_seconds = 0, cost = 0, max_error = 0;
+    double processor_seconds = 0;  // of all threads
+    double server_seconds = 0;     // processor time of the server's thread that is part of `own_seconds`
+    double overview_seconds = 0;   // processor time of the last chunk of an overview
+    double reserve = 0;            // cost of the next step, which chunks below the overview leave unused
     std::uint64_t cost_bytes = 0;
     bool cost_is_new = false;
     std::uint64_t stream_bytes = 0;

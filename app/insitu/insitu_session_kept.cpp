@@ -1,21 +1,26 @@
 // Grids that ranks keep, and chunks of them that viewers request.
+#include "app/insitu/bricks/thread_time.h"
 #include "app/insitu/insitu_session.h"
 
 #include <algorithm>
 #include <utility>
 
 namespace gs::app::insitu {
-namespace {
+bool InSituSession::share_permits() const {
+  if (share_ <= 0) return true;
+  const std::lock_guard lock(shared_.mutex);
+  return shared_.own_seconds + shared_.reserve <= share_ * now();
+}
 
-/// Range and error of the values that a rank keeps.
-struct KeptFacts {
-  FiniteRange range;
-  float error = 0;
-};
-
-}  // namespace
-
-bool InSituSession::share_permits() const { return options_.max_share <= 0 || own() <= options_.max_share * now(); }
+void InSituSession::charge_server(double overview, std::size_t bytes) {
+  const double used = thread_seconds();
+  const std::lock_guard lock(shared_.mutex);
+  const double more = used - std::exchange(shared_.server_seconds, used);
+  shared_.own_seconds += more;
+  shared_.processor_seconds += more;
+  if (overview > 0) shared_.overview_seconds = overview;
+  shared_.stream_bytes += bytes;
+}
 
 StepPlan InSituSession::make_plan(std::span<const RankFacts> all) {
   const std::string chosen = parameters_.field();
@@ -41,29 +46,43 @@ bool InSituSession::keep_step(const StepPlan& plan, StepData& data) {
     field = std::move(kept_.front());
     kept_.pop_front();
   }
-  // The server's thread may still read it.
-  if (!field || field.use_count() > 1) field = std::make_shared<KeptField>();
-  const ErrorBound bound{options_.error, options_.relative_error};
-  field->keep(blocks_, plan, bound, kept_range_);
-  kept_range_ = field->range();
-  kept_.push_back(field);
-
-  const KeptFacts own_kept{field->range(), field->error()};
-  std::vector<KeptFacts> all(ranks_.is_first() ? static_cast<std::size_t>(ranks_.count()) : 0);
-  if (!ranks_.gather(&own_kept, sizeof own_kept, all.data())) return false;
-  const Pyramid& pyramid = field->pyramid();
-  std::map<Chunk, std::vector<float>> overview;
-  if (ranks_.count() > 1) {
-    const std::vector<Chunk> chunks = pyramid.chunks(pyramid.overview());
-    const std::vector<const KeptField*> sources(chunks.size(), field.get());
-    if (!gather_chunks(ranks_, sources, chunks, [&](std::size_t number, std::vector<float> values) {
-          overview[chunks[number]] = std::move(values);
-        }))
-      return false;
+  std::vector<Chunk> chunks;
+  std::vector<const KeptField*> sources;
+  const bool own_kept = ranks_.attempt("keep", [&] {
+    // The server's thread may still read it.
+    if (!field || field.use_count() > 1) field = std::make_shared<KeptField>();
+    field->keep(blocks_, plan, {options_.error, options_.relative_error}, kept_range_);
+    kept_range_ = field->range();
+    chunks = field->pyramid().chunks(field->pyramid().overview());
+    sources.assign(chunks.size(), field.get());
+    kept_.push_back(field);
+  });
+  bool all_kept = false;
+  if (!ranks_.agree(own_kept, all_kept)) return false;
+  if (!all_kept) {
+    if (own_kept) kept_.pop_back();
+    problem_ = "a rank has not enough memory for the step; set a smaller max_memory";
+    return true;
   }
-  if (!ranks_.is_first()) return true;
+  const KeptFacts facts{field->range(), field->error()};
+  if (!ranks_.gather(&facts, sizeof facts, kept_facts_.data())) return false;
+  std::map<Chunk, std::vector<float>> overview;
+  if (ranks_.count() > 1 && !gather_chunks(ranks_, sources, chunks, [&](std::size_t number, std::vector<float> values) {
+        if (!values.empty()) overview[chunks[number]] = std::move(values);
+      }))
+    return false;
+  if (ranks_.is_first() && !ranks_.attempt("serve", [&] {
+        serve_kept(plan, field, data);
+        data.served->received = std::move(overview);
+      }))
+    data.served.reset();
+  return true;
+}
+
+// Describes the newest kept step for the server, on rank 0.
+void InSituSession::serve_kept(const StepPlan& plan, const std::shared_ptr<KeptField>& field, StepData& data) {
   KeptFacts whole;
-  for (const KeptFacts& one : all) {
+  for (const KeptFacts& one : kept_facts_) {
     whole.range.low = std::min(whole.range.low, one.range.low);
     whole.range.high = std::max(whole.range.high, one.range.high);
     whole.error = std::max(whole.error, one.error);
@@ -72,11 +91,12 @@ bool InSituSession::keep_step(const StepPlan& plan, StepData& data) {
   data.served = std::make_shared<ServedGrid>();
   ServedGrid& served = *data.served;
   served.serial = plan.serial;
-  served.pyramid = pyramid;
+  served.pyramid = field->pyramid();
   served.thinning = plan.kept_thinning;
-  served.max_error = bound.of(whole.range);
+  served.max_error = ErrorBound{options_.error, options_.relative_error}.of(whole.range);
   // Rounds to a quarter of the remaining error, because gradients in viewers would show larger steps.
-  served.rounding = std::max(static_cast<float>(served.max_error) - whole.error, 0.0F) / 4;
+  served.grid.rounding = std::max(static_cast<float>(served.max_error) - whole.error, 0.0F) / 4;
+  served.grid.codes = rounded_scale(whole.range, served.grid.rounding);
   served.grid.field = plan.kept_field.name.data();
   served.grid.unit = plan.kept_field.unit.data();
   for (std::size_t a = 0; a < 3; ++a) {
@@ -86,25 +106,27 @@ bool InSituSession::keep_step(const StepPlan& plan, StepData& data) {
     const bool flat = plan.grid.whole[2 * a] == plan.grid.whole[2 * a + 1];
     if (plan.kept_field.of_cells != 0 && !flat) served.grid.origin[a] += spacing / 2;
   }
-  served.received = std::move(overview);
   if (ranks_.count() == 1)
-    served.read = [field](const Chunk& chunk, std::vector<float>& values) { field->read(chunk, values); };
-  return true;
+    served.read = [field](const Chunk& chunk, std::uint32_t first, std::span<float> values) {
+      field->read(chunk, first, values);
+    };
 }
 
 bool InSituSession::send_chunks(std::span<const WantedChunk> wanted) {
   if (wanted.empty()) return true;
-  std::vector<Chunk> chunks;
-  std::vector<const KeptField*> sources;
-  for (const WantedChunk& one : wanted) {
+  std::array<Chunk, std::tuple_size_v<decltype(StepDecision::chunk)>> chunks;
+  std::array<const KeptField*, chunks.size()> sources{};
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const WantedChunk& one = wanted[i];
     const auto found = std::ranges::find(kept_, one.serial, [](const auto& field) { return field->serial(); });
     const KeptField* const field = found == kept_.end() ? nullptr : found->get();
-    chunks.push_back(one.chunk);
-    sources.push_back(field && field->pyramid().contains(one.chunk) ? field : nullptr);
+    chunks[i] = one.chunk;
+    sources[i] = field && field->pyramid().contains(one.chunk) ? field : nullptr;
   }
-  return gather_chunks(ranks_, sources, chunks, [&](std::size_t number, std::vector<float> values) {
-    publisher_->deliver(wanted[number], std::move(values));
-  });
+  const auto all = std::span(sources).first(wanted.size());
+  return gather_chunks(
+      ranks_, all, std::span(chunks).first(wanted.size()),
+      [&](std::size_t number, std::vector<float> values) { publisher_->deliver(wanted[number], std::move(values)); });
 }
 
 }  // namespace gs::app::insitu

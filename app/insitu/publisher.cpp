@@ -124,11 +124,14 @@ std::optional<std::string> Publisher::start_server() {
   http.folder = folder_;
   http.bind = options_.bind;
   http.port = options_.port;
+  // Each request is charged with the processor time of the requests before it, which includes their transfer.
   http.type_of = [this](const std::string& name) {
+    charge();
     note_file(name);
     return insitu_type_of(name);
   };
   http.list = [this](const net::FolderListing&, const net::FolderRequest&) {
+    charge();
     note_viewer();
     const std::lock_guard lock(mutex_);
     return net::FolderPage{"model/vrml", world_};
@@ -140,6 +143,7 @@ std::optional<std::string> Publisher::start_server() {
   };
   http.missing = [this](const std::string& name, const net::FolderRequest&) -> std::optional<net::FolderPage> {
     if (name != kLiveJson) return std::nullopt;
+    charge();
     note_viewer();
     return net::FolderPage{"application/json", json()};
   };

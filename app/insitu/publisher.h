@@ -66,6 +66,9 @@ class Publisher : NonCopyable {
   [[nodiscard]] std::string json() const;
   [[nodiscard]] net::PostAnswer post(const net::PostRequest& request);
   void note_viewer();
+  void charge() const {
+    if (options_.share.charge) options_.share.charge(0, 0);
+  }
   void note_file(std::string_view name);
 
   const PublisherOptions options_;

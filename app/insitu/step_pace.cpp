@@ -6,7 +6,7 @@ namespace gs::app::insitu {
 namespace {
 
 // Safety factor: a step is taken if the share permits this multiple of the expected cost.
-constexpr double kReserve = 2;
+constexpr double kReserve = 1.2;
 
 }  // namespace
 

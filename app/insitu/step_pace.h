@@ -14,6 +14,10 @@ class StepPace {
   /// Reports whether the step `number`, counted from 0, may be taken at the time `now`. `own` is the time that the
   /// library has used. The first step may always be taken, because it measures the cost.
   [[nodiscard]] bool may_take(std::int64_t number, double now, double own) const;
+  /// Changes the maximum share of run time.
+  void set_share(double most_share) { most_share_ = most_share; }
+  /// Returns the expected cost of the next step in seconds.
+  [[nodiscard]] double cost() const { return cost_; }
   /// Notes the seconds that a taken step cost, and the bytes of its grids; 0 bytes means no grid.
   void note_cost(double seconds, std::uint64_t bytes = 0);
   /// Returns the bytes of grids that the share permits if each wanted step is taken: each `every`-th step, and at most

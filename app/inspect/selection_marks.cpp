@@ -9,8 +9,50 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numbers>
+#include <span>
+#include <utility>
+#include <vector>
 
 namespace gs::app {
+namespace {
+
+using WideLine = std::pair<glm::dvec3, glm::dvec3>;
+
+/// Projects lines into a viewport. Clips them at the viewer.
+std::vector<PixelLine> projected(std::span<const WideLine> lines, const Pose& pose, const Viewport& viewport,
+                                 const glm::dmat4& world_from_lines) {
+  const glm::dquat viewer_from_world = glm::conjugate(glm::dquat(pose.orientation));
+  const auto seen = [&](const glm::dvec3& point) {
+    return viewer_from_world * (glm::dvec3(world_from_lines * glm::dvec4(point, 1)) - pose.position);
+  };
+  double size = 0;
+  for (const auto& [a, b] : lines) size = std::max({size, glm::length(seen(a)), glm::length(seen(b))});
+  // VRML97 applies the field of view to the smaller side of the picture.
+  const double smaller = std::max(1, std::min(viewport.width, viewport.height));
+  const double pixels = smaller / (2 * std::tan(double{pose.field_of_view} / 2));
+  const double near = std::max(1e-4 * size, 1e-9);
+  const auto pixel_of = [&](const glm::dvec3& point) {
+    if (pose.height > 0)
+      return glm::vec2(viewport.left + viewport.width * 0.5 + point.x * smaller / pose.height,
+                       viewport.top + viewport.height * 0.5 - point.y * smaller / pose.height);
+    return glm::vec2(viewport.left + viewport.width * 0.5 - point.x / point.z * pixels,
+                     viewport.top + viewport.height * 0.5 + point.y / point.z * pixels);
+  };
+  std::vector<PixelLine> result;
+  for (const auto& [from, to] : lines) {
+    glm::dvec3 a = seen(from), b = seen(to);
+    if (pose.height <= 0) {
+      if (a.z > -near && b.z > -near) continue;
+      if (a.z > -near) a += (b - a) * ((-near - a.z) / (b.z - a.z));
+      if (b.z > -near) b += (a - b) * ((-near - b.z) / (a.z - b.z));
+    }
+    result.emplace_back(pixel_of(a), pixel_of(b));
+  }
+  return result;
+}
+
+}  // namespace
 
 WideBox bounds_in(const render::RenderList& list, std::span<const NodeAt> nodes) {
   // The nodes of a PROTO body are drawn instead of the PROTO instance.
@@ -45,42 +87,33 @@ WideBox bounds_in(const render::RenderList& list, std::span<const NodeAt> nodes)
 
 std::vector<PixelLine> edges_of(const WideBox& box, const Pose& pose, const Viewport& viewport,
                                 const glm::dmat4& world_from_box) {
-  std::vector<PixelLine> lines;
-  if (box.empty()) return lines;
-  const glm::dquat viewer_from_world = glm::conjugate(glm::dquat(pose.orientation));
-  std::array<glm::dvec3, 8> corners;
-  double size = 0;
-  for (unsigned i = 0; i < 8; ++i) {
-    const glm::dvec3 corner((i & 1) != 0 ? box.upper.x : box.lower.x, (i & 2) != 0 ? box.upper.y : box.lower.y,
-                            (i & 4) != 0 ? box.upper.z : box.lower.z);
-    corners[i] = viewer_from_world * (glm::dvec3(world_from_box * glm::dvec4(corner, 1)) - pose.position);
-    size = std::max(size, glm::length(corners[i]));
-  }
-  // VRML97 applies the field of view to the smaller side of the picture.
-  const double smaller = std::max(1, std::min(viewport.width, viewport.height));
-  const double pixels = smaller / (2 * std::tan(double{pose.field_of_view} / 2));
-  const double near = std::max(1e-4 * size, 1e-9);
-  const auto pixel_of = [&](const glm::dvec3& point) {
-    if (pose.height > 0)
-      return glm::vec2(viewport.left + viewport.width * 0.5 + point.x * smaller / pose.height,
-                       viewport.top + viewport.height * 0.5 - point.y * smaller / pose.height);
-    return glm::vec2(viewport.left + viewport.width * 0.5 - point.x / point.z * pixels,
-                     viewport.top + viewport.height * 0.5 + point.y / point.z * pixels);
+  if (box.empty()) return {};
+  std::vector<WideLine> lines;
+  const auto corner = [&](unsigned i) {
+    return glm::dvec3((i & 1) != 0 ? box.upper.x : box.lower.x, (i & 2) != 0 ? box.upper.y : box.lower.y,
+                      (i & 4) != 0 ? box.upper.z : box.lower.z);
   };
   for (unsigned i = 0; i < 8; ++i)
-    for (const unsigned side : {1U, 2U, 4U}) {
-      if ((i & side) != 0) continue;
-      glm::dvec3 a = corners[i], b = corners[i | side];
-      if (pose.height > 0) {
-        lines.emplace_back(pixel_of(a), pixel_of(b));
-        continue;
-      }
-      if (a.z > -near && b.z > -near) continue;
-      if (a.z > -near) a += (b - a) * ((-near - a.z) / (b.z - a.z));
-      if (b.z > -near) b += (a - b) * ((-near - b.z) / (a.z - b.z));
-      lines.emplace_back(pixel_of(a), pixel_of(b));
-    }
-  return lines;
+    for (const unsigned side : {1U, 2U, 4U})
+      if ((i & side) == 0) lines.emplace_back(corner(i), corner(i | side));
+  return projected(lines, pose, viewport, world_from_box);
+}
+
+std::vector<PixelLine> circles_of(const glm::dvec3& center, double radius, const Pose& pose, const Viewport& viewport,
+                                  const glm::dmat4& world_from_sphere) {
+  constexpr int kSteps = 48;
+  std::vector<WideLine> lines;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto point = [&](int step) {
+      const double angle = 2 * std::numbers::pi * step / kSteps;
+      glm::dvec3 from_center(0);
+      from_center[(axis + 1) % 3] = radius * std::cos(angle);
+      from_center[(axis + 2) % 3] = radius * std::sin(angle);
+      return center + from_center;
+    };
+    for (int step = 0; step < kSteps; ++step) lines.emplace_back(point(step), point(step + 1));
+  }
+  return projected(lines, pose, viewport, world_from_sphere);
 }
 
 void SelectionMark::find_bounds(const NodeAt& node, const SceneIndex& index, const View& view, double now) {

@@ -16,7 +16,7 @@ namespace {
 using RelayClock = std::chrono::steady_clock;
 
 constexpr std::uint64_t kMostRelayedBytes = std::uint64_t{256} << 20;
-constexpr std::size_t kMostRelayed = 64;
+constexpr std::size_t kMostRelayed = 64, kMostRelayedChanges = 16;
 // Time for which a received resource is kept: streams and chunks never change, others do. Above the limits, all are
 // kept for a short time only, which suffices for the requests that wait for them.
 constexpr std::chrono::milliseconds kKeptSteady{10'000}, kKeptChanging{200}, kKeptAboveLimits{500};
@@ -73,6 +73,8 @@ net::HeldContent LiveRelay::content(const net::ContentRequest& request) {
     if (url.empty()) return {};
     net::Request wanted;
     wanted.url = url;
+    // Requests with an authorization are not redirected: another server may be one that the client must not reach.
+    wanted.authorization = "Bearer " + known->token;
     pending_[request.path].coming = std::async(std::launch::async, [this, wanted = std::move(wanted)] {
       SmallAnswer answer = small_request(wanted, false, load_, stop_, kMostRelayedBytes);
       wake_();
@@ -82,7 +84,7 @@ net::HeldContent LiveRelay::content(const net::ContentRequest& request) {
   }
   const Pending& pending = found->second;
   if (!pending.body) return {State::waiting, {}, {}};
-  if (pending.body->empty()) return {};
+  if (pending.body->empty()) return {pending.gone ? State::gone : State::none, {}, {}};
   return {State::ready, relayed_type(path->resource), *pending.body};
 }
 
@@ -95,6 +97,8 @@ void LiveRelay::keep_recent() {
       SmallAnswer answer = one.coming.get();
       one.body = answer.problem.empty() ? std::move(answer.body) : std::string();
       const bool steady = !one.body->empty() && is_steady(live_path(path)->resource);
+      constexpr int kGone = 410;
+      one.gone = answer.status == kGone;
       one.came = now;
       one.kept = steady ? kKeptSteady : kKeptChanging;
     }
@@ -123,13 +127,29 @@ net::PostAnswer LiveRelay::post(const net::PostRequest& request) {
   const auto& known = std::get<net::LiveFile>(file);
   net::Request wanted;
   wanted.url = url_of_live(known, path->resource);
-  if (wanted.url.empty()) return {404, "the simulation runs on another machine and accepts only local connections; set bind"};
+  if (wanted.url.empty())
+    return {404, "the simulation runs on another machine and accepts only local connections; set bind"};
   if (!request.query.empty()) wanted.url += "?" + request.query;
   wanted.post = true;
   wanted.authorization = "Bearer " + known.token;
-  const SmallAnswer answer = small_request(std::move(wanted), false, load_, stop_);
-  if (!answer.problem.empty()) return {400, answer.problem};
-  return {200, "ok"};
+  // Destroying the future of a running request would block, so the list keeps it.
+  const auto is_ready = [](const std::shared_future<SmallAnswer>& one) {
+    return one.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  };
+  std::erase_if(posts_, is_ready);
+  if (posts_.size() >= kMostRelayedChanges) return {503, "too many changes wait for the simulation; retry later"};
+  posts_.push_back(std::async(std::launch::async, [this, wanted = std::move(wanted)] {
+    SmallAnswer answer = small_request(wanted, false, load_, stop_);
+    wake_();
+    return answer;
+  }));
+  net::PostAnswer waits;
+  waits.later = [coming = posts_.back(), is_ready]() -> std::optional<net::PostAnswer> {
+    if (!is_ready(coming)) return std::nullopt;
+    const std::string& problem = coming.get().problem;
+    return problem.empty() ? net::PostAnswer{200, "ok"} : net::PostAnswer{400, problem};
+  };
+  return waits;
 }
 
 }  // namespace gs::app

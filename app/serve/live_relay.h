@@ -12,6 +12,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace gs::app {
 
@@ -27,13 +28,15 @@ class LiveRelay : NonCopyable {
   /// Returns a resource of a simulation. Refuses requests of documents that may read more than the simulation, because
   /// a file of another origin could name any server.
   [[nodiscard]] net::HeldContent content(const net::ContentRequest& request);
-  /// Changes parameters of a simulation, with a path such as "/home/ann/run/NAME.live/parameters".
+  /// Changes parameters of a simulation, with a path such as "/home/ann/run/NAME.live/parameters". Does not wait for
+  /// the answer of the simulation (PostAnswer::later).
   [[nodiscard]] net::PostAnswer post(const net::PostRequest& request);
 
  private:
   struct Pending {
     std::future<SmallAnswer> coming;
     std::optional<std::string> body;  // nullopt until the answer was received; empty after a failure
+    bool gone = false;                // the simulation no longer has the resource
     std::chrono::steady_clock::time_point came{};
     std::chrono::milliseconds kept{};
   };
@@ -42,7 +45,8 @@ class LiveRelay : NonCopyable {
   const std::function<void()> wake_;
   const LoadOptions load_;
   std::atomic<bool> stop_{false};
-  std::map<std::string, Pending> pending_;  // by path
+  std::map<std::string, Pending> pending_;              // by path
+  std::vector<std::shared_future<SmallAnswer>> posts_;  // changes without an answer
 };
 
 /// Path of a file of a simulation, and path of a resource below it.

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <string>
 #include <utility>
+#include <variant>
+#include <vector>
 
 namespace gs::app {
 namespace {
@@ -55,11 +57,20 @@ UiSplats describe_splats(Session& session, const std::optional<Viewport>& place)
   splats.busy = document.splats.busy();
   splats.problem = document.splats.problem();
   splats.command = command_of(splats.edit, document.world.path);
-  if (place && splats.edit.box) {
-    WideBox box;
-    box.add(splats.edit.box->lower);
-    box.add(splats.edit.box->upper);
-    splats.edges = edges_of(box, view->navigation.pose, *place, matrix_of(splats.edit));
+  if (!place) return splats;
+  const Pose& pose = view->navigation.pose;
+  const glm::dmat4 matrix = matrix_of(splats.edit);
+  for (const SplatCrop& crop : splats.edit.crops) {
+    std::vector<PixelLine> lines;
+    if (const auto* const box = std::get_if<SplatBox>(&crop.shape)) {
+      WideBox edges;
+      edges.add(box->lower);
+      edges.add(box->upper);
+      lines = edges_of(edges, pose, *place, matrix);
+    } else if (const auto* const ball = std::get_if<SplatBall>(&crop.shape)) {
+      lines = circles_of(ball->center, ball->radius, pose, *place, matrix);
+    }
+    splats.edges.insert(splats.edges.end(), lines.begin(), lines.end());
   }
   return splats;
 }

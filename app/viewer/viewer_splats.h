@@ -23,7 +23,7 @@ class SplatEditing final : public SessionExtension, NonCopyable {
 };
 
 /// Returns the splats of the active viewport for the interface. `place` is the rectangle of its picture; nullopt leaves
-/// out the edges of the crop box.
+/// out the outlines of the crops.
 [[nodiscard]] UiSplats describe_splats(Session& session, const std::optional<Viewport>& place);
 /// Carries out the user's requests for splats.
 void apply_splats(const UiSplatActions& actions, Session& session);

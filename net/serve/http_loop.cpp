@@ -215,6 +215,7 @@ void HttpLoop::pace(Instant now) {
 }
 
 bool HttpLoop::is_still_waiting(const Waiting& waiting) const {
+  if (waiting.lane == kPostLane) return !waiting.later();
   if (waiting.lane == kContentLane) return options_.content(waiting.content).state == HeldContent::State::waiting;
   return made_->is_waiting(waiting.lane, waiting.key);
 }

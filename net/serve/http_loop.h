@@ -71,6 +71,7 @@ class HttpLoop : NonCopyable {
     std::string key;
     Instant until{};
     ContentRequest content = {};
+    std::function<std::optional<PostAnswer>()> later = {};
   };
 
   void run();

@@ -208,7 +208,8 @@ MHD_Result HttpLoop::reply(Request& request, MHD_Connection* handle) {
   auto& wait = std::get<WaitForMade>(found);
   if (!request.until) request.until = clock_now() + std::chrono::duration_cast<Instant>(wait.wait);
   request.connection->phase = Phase::waiting;
-  waiting_[request.id] = {handle, wait.lane, wait.key, *request.until, wait.content};
+  request.request.later = wait.later;
+  waiting_[request.id] = {handle, wait.lane, wait.key, *request.until, wait.content, std::move(wait.later)};
   microhttpd().MHD_suspend_connection(handle);
   return MHD_YES;
 }

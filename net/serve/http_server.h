@@ -48,6 +48,10 @@ struct PostRequest {
 struct PostAnswer {
   int status = 200;
   std::string message;  // body of the answer, for users
+  /// If not empty, the answer is not ready yet. Then the server calls the function after HttpServer::wake(), and
+  /// several times a second, until it returns an answer. It must not block, and returns the same answer if called
+  /// again.
+  std::function<std::optional<PostAnswer>()> later = {};
 };
 
 /// Request for content that does not exist in the folder.
@@ -57,9 +61,10 @@ struct ContentRequest {
 };
 /// Content that the program makes while the request waits (HttpServerOptions::content).
 struct HeldContent {
-  enum class State : std::uint8_t { none, waiting, ready };
-  State state = State::none;  // `waiting`: the server asks again after HttpServer::wake(), and several times a second
-  std::string mime, body;     // if ready
+  // `waiting`: the server asks again after HttpServer::wake(), and several times a second. `gone`: status 410
+  enum class State : std::uint8_t { none, waiting, ready, gone };
+  State state = State::none;
+  std::string mime, body;  // if ready
 };
 
 /// Generator of files: makes a file of one kind from another file on demand.
@@ -103,7 +108,8 @@ struct HttpServerOptions {
   /// Returns content that does not exist in the folder. Called on the server's thread before `missing`; may be empty.
   std::function<HeldContent(const ContentRequest& request)> content;
   std::chrono::milliseconds content_wait{20'000};  // maximum wait for content; then retry
-  /// Answers a POST request. Called on the server's thread; must check the client's rights. Empty means status 405.
+  /// Answers a POST request. Called on the server's thread; must check the client's rights, and must not block. Empty
+  /// means status 405.
   std::function<PostAnswer(const PostRequest& request)> post;
   /// Returns additional lines for /metrics.
   std::function<std::string()> more_metrics;

@@ -34,7 +34,8 @@ std::optional<std::size_t> end_of_authority(const std::string& target) {
   return std::min(target.find_first_of("/?#", scheme + 3), target.size());
 }
 
-// Splits the target of a request into path and query. The target may be a complete URL (RFC 9112 3.2.2).
+}  // namespace
+
 std::pair<std::string, std::string> split_target(std::string target) {
   if (const auto end = end_of_authority(target)) {
     target = target.substr(*end);
@@ -44,6 +45,8 @@ std::pair<std::string, std::string> split_target(std::string target) {
   const std::size_t mark = target.find('?');
   return {target.substr(0, mark), mark == std::string::npos ? std::string() : target.substr(mark + 1)};
 }
+
+namespace {
 
 // Returns the number in a query such as "from=1000": files are made only of files with at least as many bytes.
 std::uint64_t least_size(std::string_view query) {
@@ -209,13 +212,6 @@ HttpSite::Reply HttpSite::answer_here(const HttpRequest& request) const {
     return text(request, "text/plain; version=0.0.4; charset=utf-8", metrics_());
   }
   return get(request, path, query);
-}
-
-HttpAnswer HttpSite::post(const HttpRequest& request) const {
-  if (request.has_body) return problem(413, "the request has a body; expected none");
-  const auto [path, query] = split_target(request.target);
-  const PostAnswer result = options_.post({path, query, request.authorization});
-  return problem(result.status, result.message);
 }
 
 // Parses a path, and replaces "/~/" by the home folder.
@@ -403,25 +399,6 @@ HttpAnswer HttpSite::send(const HttpRequest& request, Representation chosen) con
   answer.headers.emplace_back("Content-Type", chosen.type.mime);
   if (size > 0) answer.parts.push_back({{}, {0, size}});
   return answer;
-}
-
-std::optional<HttpSite::Reply> HttpSite::content(const HttpRequest& request, const RequestPath& path) const {
-  if (!options_.content) return std::nullopt;
-  ContentRequest wanted{{}, request.within};
-  for (const std::string& part : path.names) wanted.path += (wanted.path.empty() ? "" : "/") + part;
-  if (path.folder) wanted.path += '/';
-  HeldContent held = options_.content(wanted);
-  switch (held.state) {
-    case HeldContent::State::none:
-      break;
-    case HeldContent::State::waiting:
-      if (request.method == "HEAD") return problem(202, "is being generated; retry later");
-      if (request.waited_long) return problem(503, "is not ready; retry later");
-      return WaitForMade{kContentLane, {}, options_.content_wait, std::move(wanted)};
-    case HeldContent::State::ready:
-      return text(request, held.mime, std::move(held.body));
-  }
-  return std::nullopt;
 }
 
 std::optional<HttpSite::Reply> HttpSite::made(const HttpRequest& request, const RequestPath& path,

@@ -7,6 +7,7 @@
 #include "net/serve/served_folder.h"
 
 #include <chrono>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -29,6 +30,7 @@ struct HttpRequest {
   std::string origin;              // origin of the requesting page; empty if missing
   bool local = false;              // sent by this machine, not through a proxy
   bool waited_long = false;        // the request has already waited the maximum time for a made file
+  std::function<std::optional<PostAnswer>()> later = {};  // answer to a POST that the request waits for
 };
 
 /// Part of a response body: text, or a range of the response's file.
@@ -46,15 +48,17 @@ struct HttpAnswer {
   std::vector<AnswerPart> parts;
   [[nodiscard]] std::uint64_t size() const;
 };
-/// Lane of requests that wait for HttpServerOptions::content.
-inline constexpr std::size_t kContentLane = std::numeric_limits<std::size_t>::max();
+/// Lanes of requests that wait for HttpServerOptions::content, and for PostAnswer::later.
+inline constexpr std::size_t kContentLane = std::numeric_limits<std::size_t>::max(), kPostLane = kContentLane - 1;
 /// Result if a file must be made first. Repeat the request when the key no longer waits. After `wait`, repeat it with
-/// `waited_long`. In the lane kContentLane, `content` replaces the key.
+/// `waited_long`. In the lane kContentLane, `content` replaces the key; in kPostLane, `later` does, and the repeated
+/// request has it.
 struct WaitForMade {
   std::size_t lane = 0;
   std::string key;
   std::chrono::milliseconds wait{};
   ContentRequest content = {};
+  std::function<std::optional<PostAnswer>()> later = {};
 };
 
 /// Makes the responses for a folder over HTTP, without sockets. One thread.
@@ -83,7 +87,7 @@ class HttpSite {
   [[nodiscard]] Reply answer_here(const HttpRequest& request) const;
   [[nodiscard]] bool is_for_us(const HttpRequest& request) const;
   [[nodiscard]] std::variant<RequestPath, PathRefusal> path_of(const std::string& text) const;
-  [[nodiscard]] HttpAnswer post(const HttpRequest& request) const;
+  [[nodiscard]] Reply post(const HttpRequest& request) const;
   [[nodiscard]] Reply get(const HttpRequest& request, const std::string& path, const std::string& query) const;
   [[nodiscard]] static FolderRequest request_of(const HttpRequest& request, RequestPath path, const std::string& query);
   [[nodiscard]] Reply folder(const HttpRequest& request, const RequestPath& path, const std::string& query) const;
@@ -111,6 +115,9 @@ class HttpSite {
   MadeFiles* made_;
   std::function<std::string()> metrics_;
 };
+
+/// Splits the target of a request into path and query. The target may be a complete URL (RFC 9112 3.2.2).
+[[nodiscard]] std::pair<std::string, std::string> split_target(std::string target);
 
 /// Rewrites a message about a served file for clients. Replaces the path of the folder by the names that clients use.
 /// Replaces the whole message if it names another path of this machine.

@@ -29,6 +29,7 @@ constexpr std::array<std::uint16_t, count> learning_rates() {
 struct BitModel {
   std::uint16_t one = 32768;  // probability of a 1, in 1/65536
   std::uint8_t seen = 0;      // number of decisions, at most kMaxSeen
+  std::uint8_t unused = 0;    // so that models can be compared as words
 
   static constexpr std::uint8_t kMaxSeen = 30;
   static constexpr auto kRates = learning_rates<kMaxSeen + 1>();
@@ -108,6 +109,30 @@ class BinaryDecoder {
     model.learn(bit);
     return bit;
   }
+  /// Decodes a number in unary: one decision for each of the `models`, until the first 0.
+  std::size_t get_unary(std::span<BitModel> models) {
+    std::uint32_t range = range_, code = code_;  // in registers
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      BitModel& model = models.data()[i];
+      const auto bound = static_cast<std::uint32_t>(static_cast<std::uint64_t>(range) * model.probability() >> 16);
+      if (code >= bound) {
+        model.learn(false);
+        code_ = code - bound;
+        range_ = range - bound;
+        normalise();
+        return i;
+      }
+      model.learn(true);
+      range = bound;
+      while (range < 1u << 24) [[unlikely]] {
+          code = code << 8 | next();
+          range <<= 8;
+        }
+    }
+    range_ = range;
+    code_ = code;
+    return models.size();
+  }
   bool get(std::uint32_t probability) {
     return decide(static_cast<std::uint32_t>(static_cast<std::uint64_t>(range_) * probability >> 16));
   }
@@ -178,8 +203,8 @@ struct NumberModel {
     encoder.put_bits(rest & ((1u << bits) - 1), bits);
   }
   std::uint32_t get(BinaryDecoder& decoder) {
-    for (std::size_t i = 0; i < Steps; ++i)
-      if (!decoder.get(more[i])) return static_cast<std::uint32_t>(i);
+    const std::size_t steps = decoder.get_unary(more);
+    if (steps < Steps) return static_cast<std::uint32_t>(steps);
     int bits = 0;
     while (bits < 23 && decoder.get(prefix[static_cast<std::size_t>(bits)])) ++bits;
     return (1u << bits | decoder.get_bits(bits)) - 1 + static_cast<std::uint32_t>(Steps);

@@ -38,9 +38,8 @@ bool draws_layers(const Gl& gl, const RenderList& list, const DrawOptions& optio
     nothing_else = nothing_else && (layer || !item.visible);
   }
   for (const SplatItem& item : list.splats)
-    nothing_else = nothing_else && item.geometry && !item.geometry->as<qnv::Volume>() &&
-                   !item.geometry->as<qnv::Gaussians>();
-  nothing_else = nothing_else && any;
+    nothing_else = nothing_else && item.geometry && !item.geometry->as<qnv::Volume>();
+  nothing_else = nothing_else && any && list.layers.empty();
   return any;
 }
 

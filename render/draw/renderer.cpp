@@ -258,10 +258,16 @@ FrameStatistics Renderer::draw_layer(const RenderList& list, const Camera& wante
     occlude(lens, bounds, options);
     state_->surfaces->draw(list, camera, lens, options, *state_->splats, statistics);
     state_->splats->draw(list, camera, lens, options, statistics);
-    const bool behind = are_gaussians_behind_volumes(list, glm::dvec3(camera.world_from_camera[3]));
-    if (behind) state_->gaussians->draw(list, camera, lens, options, statistics);
+    const bool any_opaque = statistics.draw_calls > 0,
+               behind = are_gaussians_behind_volumes(list, glm::dvec3(camera.world_from_camera[3]));
+    if (const auto range = overlap_of_gaussians_and_volumes(list, camera))
+      if (auto among = state_->gaussians->rasterizer(list, camera, lens, options, statistics)) {
+        const VolumePass::Overlap overlap{std::move(*among), *range};
+        return state_->volumes->draw(list, camera, lens, options, statistics, &overlap);
+      }
+    if (behind) state_->gaussians->draw(list, camera, lens, options, statistics, any_opaque);
     state_->volumes->draw(list, camera, lens, options, statistics);
-    if (!behind) state_->gaussians->draw(list, camera, lens, options, statistics);
+    if (!behind) state_->gaussians->draw(list, camera, lens, options, statistics, any_opaque);
   };
   state_->meshes->draw(list, camera, lens, options, statistics, between, state_->surfaces.get());
   if (options.guides && !statistics.given_up) {

@@ -10,7 +10,9 @@
 #include <glm/glm.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -39,9 +41,12 @@ struct GaussianScene {
 /// Collects the Gaussians of an image.
 class GaussianCollector {
  public:
+  /// `with_gl` means that OpenGL draws the image.
   GaussianCollector(const Gl& gl, const RenderList& list, const Camera& camera, const DrawOptions& options,
-                    const SplatView& view)
+                    const SplatView& view, GaussianLevels& levels, bool with_gl)
       : gl_(gl),
+        levels_(levels),
+        with_gl_(with_gl),
         list_(list),
         options_(options),
         camera_from_world_(camera_from_world_of(camera)),
@@ -71,7 +76,7 @@ class GaussianCollector {
   [[nodiscard]] GaussianItem item_of(const SplatItem& item) const {
     GaussianItem own;
     own.camera_from_node = glm::mat4(camera_from_world_ * item.world_from_node);
-    own.opacity = options_.splat_style.opacity * (1 - item.material.transparency);
+    own.opacity = 1 - item.material.transparency;
     // As volumes, Gaussians are clipped by one plane: the viewer's, or the outermost ClipPlane.
     if (options_.splat_style.clip)
       own.clip = glm::vec4(*options_.splat_style.clip * item.world_from_node);
@@ -82,8 +87,7 @@ class GaussianCollector {
   }
 
   /// Returns the view of the whole image for a cut of an item. Returns nullopt if it is not finite.
-  [[nodiscard]] std::optional<qnv::LodView> view_of(const SplatItem& item, const qnv::ChunkRequests& requests,
-                                                    std::size_t budget) {
+  [[nodiscard]] std::optional<qnv::LodView> view_of(const SplatItem& item, const void* stream, std::size_t budget) {
     SplatView view = whole_;
     view.camera_from_node = glm::mat4(camera_from_world_ * item.world_from_node);
     auto lod = lod_view(view);
@@ -91,14 +95,24 @@ class GaussianCollector {
     lod->budget = budget;
     lod->error_pixels = options_.splat_error / std::max(item.detail, 1e-6f);
     // Each instance of a stream keeps its own level of detail.
-    lod->viewport = options_.viewport + (shown_[&requests]++ << 16);
+    lod->viewport = options_.viewport + (shown_[stream]++ << 16);
     return lod;
   }
 
   void add_all(const SplatItem& item, const qnv::Gaussians& gaussians, std::size_t budget) {
     if (gaussians.requests)
-      if (const auto view = view_of(item, *gaussians.requests, budget)) gaussians.requests->note(*view);
-    scene_.held.push_back(qnv::shared_as<qnv::Gaussians>(item.geometry));
+      if (const auto view = view_of(item, gaussians.requests.get(), budget)) gaussians.requests->note(*view);
+    auto shared = qnv::shared_as<qnv::Gaussians>(item.geometry);
+    if (options_.time)
+      if (auto view = view_of(item, &gaussians, budget)) {
+        if (options_.most_decoded > 0)
+          view->most_decoded = std::max<std::size_t>(options_.most_decoded / kDecodingCost, 1);
+        // A GPU draws fast enough, until pictures show the opposite.
+        if (const auto* runs =
+                levels_.cut(shared, {*view, options_.splat_error, *options_.time}, !with_gl_, scene_.pending))
+          return add_runs(item, *runs);
+      }
+    scene_.held.push_back(std::move(shared));
     GaussianItem& own = scene_.items.emplace_back(item_of(item));
     own.gaussians = &gaussians;
     own.count = gaussians.size();
@@ -107,13 +121,17 @@ class GaussianCollector {
   /// Adds the cut of a stream. Takes it for the whole image, so that tiles of the image match.
   void add_cut(const SplatItem& item, qnv::SplatStream& stream, std::size_t budget) {
     const PhaseScope phase(gl_.phases, Phase::cut);
-    auto lod = view_of(item, stream, budget);
+    auto lod = view_of(item, &stream, budget);
     if (!lod) return;
     if (options_.most_decoded > 0)
       lod->most_decoded = std::max<std::size_t>(decodable_ / (kDecodingCost * streams_--), 1);
     const std::vector<qnv::SplatRun>& runs = stream.cut(*lod, options_.time);
     decodable_ -= std::min(decodable_, kDecodingCost * stream.statistics().decoded);
     scene_.pending = scene_.pending || stream.pending() || stream.fading();
+    add_runs(item, runs);
+  }
+
+  void add_runs(const SplatItem& item, const std::vector<qnv::SplatRun>& runs) {
     GaussianItem own = item_of(item);
     for (const qnv::SplatRun& run : runs) {
       own.gaussians = run.splats.get();
@@ -126,13 +144,15 @@ class GaussianCollector {
   }
 
   const Gl& gl_;
+  GaussianLevels& levels_;
+  bool with_gl_;
   const RenderList& list_;
   const DrawOptions& options_;
   glm::dmat4 camera_from_world_;
   SplatView whole_;
   float back_;
   std::size_t decodable_, streams_ = 0;
-  std::unordered_map<const qnv::ChunkRequests*, std::uint32_t> shown_;  // number of instances of each stream so far
+  std::unordered_map<const void*, std::uint32_t> shown_;  // number of instances of each stream so far
   GaussianScene scene_;
 };
 
@@ -165,19 +185,56 @@ bool are_gaussians_behind_volumes(const RenderList& list, const glm::dvec3& eye)
   return distance(volumes) < distance(gaussians);
 }
 
+std::optional<DepthRange> overlap_of_gaussians_and_volumes(const RenderList& list, const Camera& camera) {
+  const WideBox volumes = bounds_of_all<qnv::Volume>(list), gaussians = bounds_of_all<qnv::Gaussians>(list);
+  if (volumes.empty() || gaussians.empty()) return std::nullopt;
+  const glm::dvec3 lower = glm::max(glm::dvec3(volumes.lower), glm::dvec3(gaussians.lower)),
+                   upper = glm::min(glm::dvec3(volumes.upper), glm::dvec3(gaussians.upper));
+  if (glm::any(glm::greaterThanEqual(lower, upper))) return std::nullopt;
+  const glm::dmat4 camera_from_world = camera_from_world_of(camera);
+  DepthRange range{std::numeric_limits<float>::infinity(), 0};
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec4 at((corner & 1) != 0 ? upper.x : lower.x, (corner & 2) != 0 ? upper.y : lower.y,
+                        (corner & 4) != 0 ? upper.z : lower.z, 1);
+    const auto depth = static_cast<float>(-(camera_from_world * at).z);
+    range.nearest = std::min(range.nearest, std::max(depth, 0.0f));
+    range.farthest = std::max(range.farthest, depth);
+  }
+  if (!std::isfinite(range.farthest) || !(range.nearest < range.farthest)) return std::nullopt;
+  return range;
+}
+
 GaussianPass::GaussianPass(const Gl& gl, SortMethod sort)
     : gl_(gl), target_(gl), gaussian_gl_(gl, target_, sort), overlay_(gl) {}
 
+bool GaussianPass::with_gl(const DrawOptions& options) const {
+  return options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl_.software);
+}
+
+std::optional<LayerRaster> GaussianPass::rasterizer(const RenderList& list, const Camera& camera,
+                                                    const Projection& projection, const DrawOptions& options,
+                                                    FrameStatistics& statistics) {
+  if (with_gl(options) || std::none_of(list.splats.begin(), list.splats.end(), gaussians_of)) return std::nullopt;
+  levels_.forget_unused();
+  const SplatView view = viewport_view(camera, projection, options);
+  const auto scene = std::make_shared<const GaussianScene>(
+      GaussianCollector(gl_, list, camera, options, view, levels_, false).collect());
+  statistics.pending = statistics.pending || scene->pending;
+  return [scene](const SplatView& part, const VolumeStops& stops) {
+    return rasterize_gaussians(scene->items, part, stops, false);
+  };
+}
+
 void GaussianPass::draw(const RenderList& list, const Camera& camera, const Projection& projection,
-                        const DrawOptions& options, FrameStatistics& statistics) {
+                        const DrawOptions& options, FrameStatistics& statistics, bool any_opaque) {
   gaussian_gl_.forget_unused();
+  levels_.forget_unused();
   if (std::none_of(list.splats.begin(), list.splats.end(), gaussians_of)) return;
   const SplatView view = viewport_view(camera, projection, options);
-  const GaussianScene scene = GaussianCollector(gl_, list, camera, options, view).collect();
-  statistics.pending = statistics.pending || scene.pending;
   const TargetRectangle rectangle{options.x, options.y, options.width, options.height};
-  const bool with_gl = options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl_.software);
-  if (with_gl) {
+  const GaussianScene scene = GaussianCollector(gl_, list, camera, options, view, levels_, with_gl(options)).collect();
+  statistics.pending = statistics.pending || scene.pending;
+  if (with_gl(options)) {
     if (const auto drawn =
             gaussian_gl_.draw(scene.held, scene.items, {view, projection, rectangle, options.viewport})) {
       statistics.vectors += drawn->vectors;
@@ -189,8 +246,9 @@ void GaussianPass::draw(const RenderList& list, const Camera& camera, const Proj
     statistics.splats = "cpu";  // shows that OpenGL could not draw splats
   }
   VolumeStops stops;
-  if (target_.read_depths(rectangle, projection, depths_)) stops = depths_.stops();
-  const VolumeLayer layer = rasterize_gaussians(scene.items, view, stops);
+  const bool is_read = any_opaque && target_.read_depths(rectangle, projection, depths_);
+  if (is_read) stops = depths_.stops();
+  const VolumeLayer layer = rasterize_gaussians(scene.items, view, stops, any_opaque && !is_read);
   if (std::string_view(statistics.splats) == "none") statistics.splats = "cpu";
   statistics.vectors += layer.vectors;
   if (layer.empty()) return;

@@ -203,13 +203,14 @@ struct GaussianRegion {
 /// Draws ordered splats: gives regions lists of their splats in batches, from near to far, and blends them.
 class GaussianPainter {
  public:
-  GaussianPainter(GaussianArrays& arrays, const SplatView& view, const VolumeStops& stops)
+  GaussianPainter(GaussianArrays& arrays, const SplatView& view, const VolumeStops& stops, bool with_depths)
       : parts_(arrays.parts),
         ordered_(arrays.ordered),
         counts_(arrays.counts),
         listed_(arrays.listed),
         view_(view),
         stops_(stops),
+        with_depths_(with_depths),
         columns_((view.width + kRegion - 1) / kRegion),
         regions_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>((view.height + kRegion - 1) / kRegion)),
         range_(std::clamp(kMostEntries / regions_, kLeastListedRange, kListedRange)),
@@ -220,10 +221,11 @@ class GaussianPainter {
     layer.width = view_.width;
     layer.height = view_.height;
     layer.vectors = ordered_.size();
+    layer.used = used_box();
     const std::size_t pixels = static_cast<std::size_t>(view_.width) * static_cast<std::size_t>(view_.height);
     layer.pixels.assign(4 * pixels, 0);
-    layer.depth.assign(pixels, 0);
-    paint_to(layer.pixels, &layer.depth, stops_.far.empty() ? stops_.near : stops_.far);
+    if (with_depths_) layer.depth.assign(pixels, 0);
+    paint_to(layer.pixels, with_depths_ ? layer.depth.data() : nullptr, stops_.far.empty() ? stops_.near : stops_.far);
     if (!stops_.far.empty() && !std::ranges::equal(stops_.near, stops_.far)) {
       layer.edge_pixels.assign(4 * pixels, 0);
       paint_to(layer.edge_pixels, nullptr, stops_.near);
@@ -232,6 +234,17 @@ class GaussianPainter {
   }
 
  private:
+  /// Returns the box of the tiles that splats touch.
+  [[nodiscard]] PixelBox used_box() const {
+    TileRange all{0xFFFF, 0, 0xFFFF, 0};
+    for (const PlacedGaussian& place : ordered_)
+      all = {std::min(all.left, place.tiles.left), std::max(all.right, place.tiles.right),
+             std::min(all.bottom, place.tiles.bottom), std::max(all.top, place.tiles.top)};
+    const int left = all.left * kGaussianTile, bottom = all.bottom * kGaussianTile;
+    return {left, bottom, std::min((all.right + 1) * kGaussianTile, view_.width) - left,
+            std::min((all.top + 1) * kGaussianTile, view_.height) - bottom};
+  }
+
   /// Calls use(region, row, column) for each region that a splat may touch.
   template <class Use>
   void for_regions(const TileRange& tiles, const Use& use) const {
@@ -275,7 +288,7 @@ class GaussianPainter {
     });
   }
 
-  void paint_to(std::vector<std::uint8_t>& pixels, std::vector<float>* depths, std::span<const float> stops) {
+  void paint_to(std::vector<std::uint8_t>& pixels, float* depths, std::span<const float> stops) {
     states_.clear();
     states_.resize(regions_);
     for (std::size_t first = 0; first < ranges_;) {
@@ -289,7 +302,7 @@ class GaussianPainter {
         entries += more;
         ++last;
       }
-      paint_batch(first, last, entries, {pixels.data(), depths ? depths->data() : nullptr, stops});
+      paint_batch(first, last, entries, {pixels.data(), depths, stops});
       first = last;
     }
   }
@@ -339,12 +352,12 @@ class GaussianPainter {
           if (!kept && list.empty()) return;
           if (!kept && first == 0 && last == ranges_) {
             GaussianRegion state;
-            blend(region, list, target.stops, state);
+            blend(region, list, target, state);
             write(region, state, target);
             return;
           }
           if (!kept) kept = std::make_unique_for_overwrite<GaussianRegion>();
-          blend(region, list, target.stops, *kept);
+          blend(region, list, target, *kept);
           if (last < ranges_) return;
           write(region, *kept, target);
           kept.reset();
@@ -356,12 +369,12 @@ class GaussianPainter {
     return parts_[index / kProjectedRange].projected.splats.data() + index % kProjectedRange;
   }
 
-  void blend(std::size_t region, std::span<const ListedGaussian> list, std::span<const float> stops,
+  void blend(std::size_t region, std::span<const ListedGaussian> list, const Target& target,
              GaussianRegion& state) const {
     const int left = static_cast<int>(region % static_cast<std::size_t>(columns_)) * kRegion,
               bottom = static_cast<int>(region / static_cast<std::size_t>(columns_)) * kRegion;
     const GaussianKernel& kernel = gaussian_kernel();
-    const auto draw = stops.empty() ? kernel.tile : kernel.stopped_tile;
+    const auto draw = target.stops.empty() ? kernel.tile : kernel.stopped_tile;
     std::array<GaussianSplat, kGatheredSplats> splats;
     std::vector<GaussianSurfel> surfels;
     std::array<std::array<std::uint16_t, kGatheredSplats>, GaussianRegion::kTiles> orders;
@@ -389,7 +402,7 @@ class GaussianPainter {
         if (counts[tile] == 0 || (state.open >> tile & 1) == 0) continue;
         const int x = left + static_cast<int>(tile) % kRegionTiles * kGaussianTile,
                   y = bottom + static_cast<int>(tile) / kRegionTiles * kGaussianTile;
-        if ((state.used >> tile & 1) == 0) begin(state.tiles[tile], x, y, stops);
+        if ((state.used >> tile & 1) == 0) begin(state.tiles[tile], x, y, target);
         state.used |= 1u << tile;
         draw({splats.data(), surfels.data()}, {orders[tile].data(), counts[tile]}, x, y, state.tiles[tile]);
         if (state.tiles[tile].open == 0) state.open &= ~(1u << tile);
@@ -398,8 +411,10 @@ class GaussianPainter {
   }
 
   /// Clears a tile with the lower left pixel (left, bottom), and sets its stops.
-  void begin(GaussianTile& tile, int left, int bottom, std::span<const float> stops) const {
+  void begin(GaussianTile& tile, int left, int bottom, const Target& target) const {
     tile.clear_pixels();
+    tile.with_depths = target.depths != nullptr;
+    const std::span<const float> stops = target.stops;
     for (int y = 0; !stops.empty() && y < kGaussianTile; ++y)
       for (int x = 0; x < kGaussianTile; ++x)
         tile.groups[GaussianTile::group_of(x, y)].stop[GaussianTile::lane_of(x, y)] =
@@ -441,6 +456,7 @@ class GaussianPainter {
   std::vector<ListedGaussian>& listed_;
   const SplatView& view_;
   const VolumeStops& stops_;
+  bool with_depths_;
   int columns_;
   std::size_t regions_, range_, ranges_;           // number of regions, splats per range, number of ranges
   std::size_t counted_from_ = 0, counted_to_ = 0;  // ranges with counts
@@ -449,7 +465,8 @@ class GaussianPainter {
 
 }  // namespace
 
-VolumeLayer rasterize_gaussians(std::span<const GaussianItem> items, const SplatView& view, const VolumeStops& stops) {
+VolumeLayer rasterize_gaussians(std::span<const GaussianItem> items, const SplatView& view, const VolumeStops& stops,
+                                bool with_depths) {
   if (view.width <= 0 || view.height <= 0) return {};
   static KeptArrays kept;
   std::unique_ptr<GaussianArrays> arrays = kept.take();
@@ -458,7 +475,7 @@ VolumeLayer rasterize_gaussians(std::span<const GaussianItem> items, const Splat
   VolumeLayer layer;
   if (!arrays->ordered.empty()) {
     if (!stops.near.empty()) set_least_depths(arrays->parts, arrays->ordered);
-    layer = GaussianPainter(*arrays, view, stops).paint();
+    layer = GaussianPainter(*arrays, view, stops, with_depths).paint();
   }
   kept.give_back(std::move(arrays));
   return layer;

@@ -61,6 +61,7 @@ void GaussianTile::clear_pixels() {
       groups[i].column[lane] = static_cast<float>(i / 8 * 4 + lane / 2);
   }
   open = kAllGroups;
+  with_depths = true;
 }
 
 const GaussianKernel& gaussian_kernel_baseline() { return kGaussianBaseline; }

@@ -55,6 +55,7 @@ struct alignas(64) GaussianTile {
   static constexpr std::uint64_t kAllGroups = 0x5555555555555555u;
   std::array<GaussianGroup, kGroups> groups;
   std::uint64_t open = kAllGroups;  // groups in which more splats can be visible: bit 2 i is group i
+  bool with_depths = true;          // if false, the depths of groups are undefined, except those of surfels
 
   void clear_pixels();
 

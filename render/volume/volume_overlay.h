@@ -15,23 +15,35 @@ class VolumeOverlay {
  public:
   explicit VolumeOverlay(const Gl& gl);
 
-  /// Composites a layer with premultiplied colours. `stops` are those with which it was rasterized. Writes no depth.
-  /// Leaves blending and the depth test off, and depth writes on.
+  /// Composites a layer with premultiplied colours. `stops` are those with which it was rasterized. Tests depths only if
+  /// the samples of a pixel differ, or if there are no stops; a layer without depths is in front of everything. Writes
+  /// no depth. Leaves blending and the depth test off, and depth writes on.
   void draw(const VolumeLayer& layer, const VolumeStops& stops, const Projection& projection,
             const DrawOptions& options);
 
  private:
+  /// Texture that is at least as large as the layers.
+  struct LayerTexture {
+    Texture texture;
+    int width = 0, height = 0;
+  };
   struct Overlay {
     Program program;
     GLint pixels = -1, depths = -1, origin = -1, nearest = -1;
   };
   [[nodiscard]] Overlay make_overlay(const char* defines) const;
+  void draw_plain(const VolumeLayer& layer, const DrawOptions& options);
+  /// Copies a box of an image into the corner of a texture. Rows of the image have `pitch` pixels.
+  void upload(LayerTexture& to, GLenum internal, GLenum format, GLenum type, const void* first, const PixelBox& box,
+              int pitch);
   void draw_overlay(const Overlay& overlay, const VolumeLayer& layer, const std::vector<std::uint8_t>& pixels,
                     const Projection& projection, const DrawOptions& options);
 
   const Gl& gl_;
   VertexArray no_attributes_;
-  Texture pixels_texture_, depths_texture_;
+  LayerTexture pixels_texture_, depths_texture_;
+  Program plain_;
+  GLint plain_pixels_ = -1, plain_part_ = -1;
   Overlay overlay_, edge_overlay_;
 };
 

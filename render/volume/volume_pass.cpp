@@ -147,12 +147,16 @@ void VolumePass::gather(const RenderList& list, const Camera& camera, const Spla
 }
 
 void VolumePass::on_processor(const Scene& scene, const SplatView& view, const Projection& projection,
-                              const DrawOptions& options, FrameStatistics& statistics) {
+                              const DrawOptions& options, FrameStatistics& statistics, const Overlap* overlap) {
   statistics.splats = "cpu";
   const TargetRectangle rectangle{options.x, options.y, options.width, options.height};
   VolumeStops stops;
   if (target_.read_depths(rectangle, projection, depths_)) stops = depths_.stops();
-  const VolumeLayer layer = rasterize_volumes(scene.items, view, stops);
+  const LayerRaster volumes = [&](const SplatView& part, const VolumeStops& limits) {
+    return rasterize_volumes(scene.items, part, limits);
+  };
+  const VolumeLayer layer = overlap ? rasterize_together({volumes, overlap->rasterize}, view, stops, overlap->range)
+                                    : volumes(view, stops);
   statistics.vectors += layer.vectors;
   if (layer.empty()) return;
   overlay_.draw(layer, stops, projection, options);
@@ -160,7 +164,7 @@ void VolumePass::on_processor(const Scene& scene, const SplatView& view, const P
 }
 
 void VolumePass::draw(const RenderList& list, const Camera& camera, const Projection& projection,
-                      const DrawOptions& options, FrameStatistics& statistics) {
+                      const DrawOptions& options, FrameStatistics& statistics, const Overlap* overlap) {
   forget_models();
   volume_gl_.forget_unused();
   if (std::none_of(list.splats.begin(), list.splats.end(), is_volume)) return;
@@ -168,8 +172,8 @@ void VolumePass::draw(const RenderList& list, const Camera& camera, const Projec
   Scene scene;
   gather(list, camera, whole_view(view, camera), options, scene);
   statistics.working = statistics.working || scene.working;
-  if (scene.items.empty()) return;
-  const bool with_gl = options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl_.software);
+  if (scene.items.empty() && !overlap) return;
+  const bool with_gl = !overlap && (options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl_.software));
   if (with_gl) {
     const VolumeGl::View gl_view{
         view, projection, {options.x, options.y, options.width, options.height}, options.viewport};
@@ -182,7 +186,7 @@ void VolumePass::draw(const RenderList& list, const Camera& camera, const Projec
       return;
     }
   }
-  on_processor(scene, view, projection, options, statistics);
+  on_processor(scene, view, projection, options, statistics, overlap);
 }
 
 }  // namespace gs::render

@@ -4,6 +4,7 @@
 #include "render/scene/camera.h"
 #include "render/scene/draw_options.h"
 #include "render/scene/render_list.h"
+#include "render/volume/layers_together.h"
 #include "render/volume/volume_gl.h"
 #include "render/volume/volume_lights.h"
 #include "render/volume/volume_overlay.h"
@@ -33,10 +34,15 @@ class VolumePass {
  public:
   explicit VolumePass(const Gl& gl, SortMethod sort = SortMethod::automatic);
 
+  /// Content that overlaps the volumes in a range of depths.
+  struct Overlap {
+    LayerRaster rasterize;
+    DepthRange range;
+  };
   /// Draws the volumes. Call it after all opaque content. `camera` must have near and far planes. Leaves blending and
-  /// the depth test off, and depth writes on.
+  /// the depth test off, and depth writes on. With an `overlap`, draws both on the CPU.
   void draw(const RenderList& list, const Camera& camera, const Projection& projection, const DrawOptions& options,
-            FrameStatistics& statistics);
+            FrameStatistics& statistics, const Overlap* overlap = nullptr);
 
   /// Returns the method that sorted for the last OpenGL image.
   [[nodiscard]] SortMethod sorted_by() const { return volume_gl_.sorted_by(); }
@@ -65,7 +71,7 @@ class VolumePass {
   void gather(const RenderList& list, const Camera& camera, const SplatView& view,
               const DrawOptions& options, Scene& scene);
   void on_processor(const Scene& scene, const SplatView& view, const Projection& projection, const DrawOptions& options,
-                    FrameStatistics& statistics);
+                    FrameStatistics& statistics, const Overlap* overlap);
 
   const Gl& gl_;
   VolumeGl volume_gl_;

@@ -301,6 +301,7 @@ VolumeLayer rasterize_volumes(std::span<const VolumeItem> items, const SplatView
   if (layer.vectors == 0) return layer;
   layer.width = view.width;
   layer.height = view.height;
+  layer.used = {0, 0, view.width, view.height};
   const auto pixels = static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
   layer.pixels.assign(4 * pixels, 0);
   layer.depth.assign(pixels, 0);

@@ -27,6 +27,11 @@ struct VolumeStops {
   std::span<const float> near, far;  // nearest and farthest sample of each pixel; an empty `far` equals `near`
 };
 
+/// Rectangle of pixels.
+struct PixelBox {
+  int left = 0, bottom = 0, width = 0, height = 0;
+};
+
 /// Rasterized volumes, rows from the bottom.
 struct VolumeLayer {
   int width = 0, height = 0;
@@ -34,8 +39,9 @@ struct VolumeLayer {
   /// Like `pixels`, but for the nearest samples. Empty if near and far are equal everywhere.
   std::vector<std::uint8_t> edge_pixels;
   /// View-space depth where the opacity reaches 0.5, otherwise of the nearest vector: distance along the view axis in
-  /// camera units. 0 means that the pixel is empty.
+  /// camera units. 0 means that the pixel is empty. The array is empty if no depths were requested.
   std::vector<float> depth;
+  PixelBox used;                     // pixels outside of it are transparent
   std::size_t vectors = 0;  // vectors in view that have an opacity
 
   [[nodiscard]] bool empty() const { return pixels.empty(); }

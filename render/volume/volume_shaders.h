@@ -5,6 +5,24 @@ namespace gs::render {
 
 /// Composites the volumes that the CPU has drawn. Where `depths` is negative, ignores the pixel's depth. With EDGES,
 /// draws only pixels with samples that differ.
+/// Draws a rectangle over the viewport with a part of a texture from its first texel on.
+inline constexpr char kPlainLayerVertexShader[] = R"glsl(
+uniform vec2 part;  // drawn part of the texture
+out vec2 at;
+void main() {
+  vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1);
+  at = corner * part;
+  gl_Position = vec4(corner * 2.0 - 1.0, 0.0, 1.0);
+}
+)glsl";
+
+inline constexpr char kPlainLayerFragmentShader[] = R"glsl(
+uniform sampler2D pixels;
+in vec2 at;
+out vec4 result;
+void main() { result = texture(pixels, at); }
+)glsl";
+
 inline constexpr char kVolumePixelsFragmentShader[] = R"glsl(
 uniform sampler2D pixels;
 uniform sampler2D depths;  // in window space

@@ -1,5 +1,6 @@
 #include "render/volume/volume_target.h"
 
+#include "base/parallel.h"
 #include "render/gl/shaders.h"
 #include "render/volume/volume_shaders.h"
 
@@ -199,7 +200,8 @@ bool VolumeTarget::read_depths(const TargetRectangle& r, const Projection& proje
   gl_.GetIntegerv(GL_SAMPLES, &samples);
   take_errors(gl_);
   const bool several = samples > 1;
-  std::vector<float> read(pixels * (several ? 2 : 1));
+  std::vector<float>& read = read_depths_;
+  read.resize(pixels * (several ? 2 : 1));
   bool good = false;
   if (several) {
     good = copy_depth(from, r, false) && read_samples(r, read);
@@ -222,12 +224,19 @@ bool VolumeTarget::read_depths(const TargetRectangle& r, const Projection& proje
   depths.near.resize(pixels);
   depths.far.clear();
   if (several) depths.far.resize(pixels);
-  for (std::size_t i = 0; i < pixels; ++i) {
-    depths.near[i] = distance(read[several ? 2 * i + nearer : i]);
-    if (!several) continue;
-    const float far = distance(read[2 * i + 1 - nearer]);
-    depths.far[i] = depths.near[i] < far * (1 - kSmooth) ? far : depths.near[i];
-  }
+  constexpr std::size_t kPart = std::size_t{1} << 16;  // pixels per task
+  parallel_for((pixels + kPart - 1) / kPart, [&](std::size_t part) {
+    const std::size_t last = std::min(pixels, (part + 1) * kPart);
+    if (!several) {
+      for (std::size_t i = part * kPart; i < last; ++i) depths.near[i] = distance(read[i]);
+      return;
+    }
+    for (std::size_t i = part * kPart; i < last; ++i) {
+      depths.near[i] = distance(read[2 * i + nearer]);
+      const float far = distance(read[2 * i + 1 - nearer]);
+      depths.far[i] = depths.near[i] < far * (1 - kSmooth) ? far : depths.near[i];
+    }
+  });
   return true;
 }
 

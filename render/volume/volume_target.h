@@ -112,6 +112,7 @@ class VolumeTarget {
   Framebuffer layer_, layer_closing_;
   int layer_width_ = 0, layer_height_ = 0;
   Bound outer_;
+  std::vector<float> read_depths_;  // memory for read_depths()
 };
 
 }  // namespace gs::render

@@ -1,15 +1,17 @@
 #!/usr/bin/env python3
 """Checks ghostspace-mpi: equal bytes for every number of ranks, ends of ranks at any moment, and --resume.
 
-usage: mpi_check.py [--kills N] [--seed S] [--volume FILE] [--mesh FILE] [--grid FILE] [PROGRAM]
+usage: mpi_check.py [--kills N] [--seed S] [--volume FILE] [--mesh FILE] [--grid FILE] [--splats COUNT] [PROGRAM]
 
 PROGRAM is ghostspace, or $GHOSTSPACE, or build/release/ghostspace; ghostspace-mpi is beside it. --kills ends a random
 rank at N random moments (usually 2) of encoding a volume, a mesh and a grid each. --volume, --mesh and --grid encode
-these files instead of small ones in these runs. Skips all checks, with a message, if mpirun or ghostspace-mpi is missing.
+these files instead of small ones in these runs. --splats also encodes that many Gaussian splats, which takes minutes:
+more than 500,000 are divided. Skips all checks, with a message, if mpirun or ghostspace-mpi is missing.
 """
 
 import argparse
 import array
+import base64
 import hashlib
 import math
 import os
@@ -21,10 +23,12 @@ import subprocess
 import sys
 import tempfile
 import time
+import zlib
 
 options = argparse.ArgumentParser(usage=__doc__)
 options.add_argument("--kills", type=int, default=2)
 options.add_argument("--seed", type=int, default=1)
+options.add_argument("--splats", type=int, default=0)
 for kind in ("volume", "mesh", "grid"):
     options.add_argument("--" + kind)
 options.add_argument("program", nargs="?", default=os.environ.get("GHOSTSPACE", "build/release/ghostspace"))
@@ -111,6 +115,82 @@ def write_grid(path, n=6):
                    '</Cells></Piece></UnstructuredGrid></VTKFile>' %
                    (len(points), len(cells), numbers(points), numbers(cells),
                     " ".join(str(8 * (i + 1)) for i in range(len(cells))), " ".join("12" for _ in cells)))
+
+
+def write_large_grid(path, size, first_layer=0, packed=False):
+    """Writes warped hexahedra with holes: raw appended data, or blocks of zlib in base64."""
+    nx, ny, nz = size
+    points, heat = array.array("f"), array.array("f")
+    for z in range(first_layer, first_layer + nz + 1):
+        for y in range(ny + 1):
+            for x in range(nx + 1):
+                points.extend((x + 0.2 * math.sin(y), y, z + 0.001 * x * x))
+                heat.append(math.sin(x / 9) * math.cos(z / 7) + y / 50)
+    corners, cells = array.array("q"), 0
+    row, layer = nx + 1, (nx + 1) * (ny + 1)
+    for z in range(nz):
+        for y in range(ny):
+            for x in range(nx):
+                if (x // 5 + y // 7 + z // 3) % 13 == 0:
+                    continue
+                at = z * layer + y * row + x
+                corners.extend((at, at + 1, at + row + 1, at + row, at + layer, at + layer + 1, at + layer + row + 1,
+                                at + layer + row))
+                cells += 1
+    arrays = [("PointData", "Float32", "heat", 1, heat.tobytes()), ("Points", "Float32", "Points", 3, points.tobytes()),
+              ("Cells", "Int64", "connectivity", 1, corners.tobytes()),
+              ("Cells", "Int64", "offsets", 1, array.array("q", range(8, 8 * cells + 1, 8)).tobytes()),
+              ("Cells", "UInt8", "types", 1, bytes([12]) * cells)]
+    text, data, section = "", bytearray(), ""
+    for owner, kind, name, components, values in arrays:
+        if owner != section:
+            text += ("</%s>" % section if section else "") + "<%s>" % owner
+            section = owner
+        text += '<DataArray type="%s" Name="%s" NumberOfComponents="%d" format="appended" offset="%d"/>' % (
+            kind, name, components, len(data))
+        if packed:
+            block = 1 << 15
+            parts = [zlib.compress(values[i:i + block], 1) for i in range(0, len(values), block)]
+            table = struct.pack("<%dQ" % (3 + len(parts)), len(parts), block, len(values) % block, *map(len, parts))
+            data += base64.b64encode(table) + base64.b64encode(b"".join(parts))
+        else:
+            data += struct.pack("<Q", len(values)) + values
+    with open(path, "wb") as file:
+        file.write(('<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt64"%s>'
+                    '<UnstructuredGrid><Piece NumberOfPoints="%d" NumberOfCells="%d">%s</%s></Piece></UnstructuredGrid>'
+                    '<AppendedData encoding="%s">_' %
+                    (' compressor="vtkZLibDataCompressor"' if packed else "", len(heat), cells, text, section,
+                     "base64" if packed else "raw")).encode())
+        file.write(data)
+        file.write(b"</AppendedData></VTKFile>")
+
+
+def write_pieces(path, size, pieces):
+    """Writes a grid in pieces, each in a file of its own."""
+    names = []
+    for i in range(pieces):
+        names.append("%s-%d.vtu" % (os.path.basename(path)[:-5], i))
+        write_large_grid(os.path.join(os.path.dirname(path), names[-1]), size, i * size[2])
+    with open(path, "w") as file:
+        file.write('<VTKFile type="PUnstructuredGrid" version="0.1"><PUnstructuredGrid GhostLevel="0"><PPointData>'
+                   '<PDataArray type="Float32" Name="heat"/></PPointData><PPoints><PDataArray type="Float32" '
+                   'NumberOfComponents="3"/></PPoints>%s</PUnstructuredGrid></VTKFile>' %
+                   "".join('<Piece Source="%s"/>' % name for name in names))
+
+
+def write_splats(path, count):
+    names = ["x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1",
+             "rot_2", "rot_3"]
+    chance = random.Random(1)
+    with open(path, "wb") as file:
+        file.write(("ply\nformat binary_little_endian 1.0\nelement vertex %d\n%send_header\n" %
+                    (count, "".join("property float %s\n" % name for name in names))).encode())
+        for i in range(count):
+            u, v = chance.random() * 6.28, chance.random() * 3.14
+            row = array.array("f", (math.sin(v) * math.cos(u), math.sin(v) * math.sin(u), math.cos(v),
+                                    math.sin(3 * u), math.cos(5 * v), math.sin(7 * u * v), 2 - 4 * chance.random(),
+                                    -5 - chance.random(), -5.5, -7, 1, chance.random(), chance.random(), 0))
+            file.write(row.tobytes())
 
 
 def equal_bytes(folder, name, source, extra, counts):
@@ -234,15 +314,19 @@ def main():
         return
     folder = tempfile.mkdtemp(prefix="ghostspace-mpi-")
     try:
-        volume, floats, mesh, grid, large, rough = (
-            folder + "/" + name for name in ("v.nrrd", "f.nrrd", "m.stl", "g.vtu", "large.stl", "rough.stl"))
+        volume, floats, mesh, grid, large, rough, large_grid, packed_grid, pieces, splats = (
+            folder + "/" + name for name in ("v.nrrd", "f.nrrd", "m.stl", "g.vtu", "large.stl", "rough.stl", "large.vtu",
+                                             "packed.vtu", "pieces.pvtu", "splats.ply"))
         write_volume(volume, (40, 36, 140), "short")
         write_volume(floats, (24, 30, 75), "float", gaps=True)
         write_mesh(mesh)
         write_grid(grid)
         write_mesh(large, 260)
         write_mesh(rough, 260, 0.05)
-        # These meshes have three runs of triangles, and exceed the memory of a process.
+        write_large_grid(large_grid, (60, 60, 60))
+        write_large_grid(packed_grid, (60, 60, 60), packed=True)
+        write_pieces(pieces, (60, 60, 30), 3)
+        # These meshes and grids have three runs or more, and exceed the memory of a process.
         little = ["--memory", "64M"]
         equal_bytes(folder, "volume", volume, [], (1, 2, 3, 4))
         equal_bytes(folder, "lossless floats with missing voxels", floats, ["--lossless"], (3,))
@@ -251,7 +335,14 @@ def main():
         equal_bytes(folder, "mesh that exceeds memory", large, little, (1, 2, 3, 4))
         equal_bytes(folder, "rough mesh that exceeds memory", rough, little, (3,))
         equal_bytes(folder, "octree of a mesh that exceeds memory", large, little + ["--method", "octree"], (4,))
-        equal_bytes(folder, "unstructured grid", grid, [], (1, 2, 3, 4))
+        equal_bytes(folder, "unstructured grid", grid, [], (3,))
+        equal_bytes(folder, "grid that exceeds memory", large_grid, little, (1, 2, 3, 4))
+        equal_bytes(folder, "compressed grid that exceeds memory", packed_grid, little, (3,))
+        equal_bytes(folder, "grid in pieces that exceeds memory", pieces, little, (2, 4))
+        equal_bytes(folder, "octree of a grid that exceeds memory", large_grid, little + ["--method", "octree"], (2,))
+        if options.splats > 0:
+            write_splats(splats, options.splats)
+            equal_bytes(folder, "%d splats" % options.splats, splats, [], (1, 2, 3, 4))
         out = folder + "/out.qnv"
         missing = run(mpirun(3, ["encode", folder + "/missing.nrrd", out]))
         lines = [line for line in missing.stderr.splitlines() if line.strip()]
@@ -270,8 +361,8 @@ def main():
         full_disk(folder, floats)
         chance = random.Random(options.seed)
         for name, source, extra in (("volume", options.volume or volume, []), ("mesh", options.mesh or large, little),
-                                    ("grid", options.grid or grid, [])):
-            end_ranks(folder, name, source, extra if source in (large, volume, grid) else [], chance)
+                                    ("grid", options.grid or large_grid, little)):
+            end_ranks(folder, name, source, extra if source in (large, volume, large_grid) else [], chance)
         if hanging:
             print("note    mpirun itself did not end %d times, although all ranks had ended" % hanging)
     finally:

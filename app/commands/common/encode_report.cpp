@@ -7,6 +7,7 @@
 #include "app/formats/volume/coarser_volume.h"
 #include "qnv/container/container.h"
 
+#include <span>
 #include <utility>
 
 namespace gs::app {
@@ -34,12 +35,30 @@ void print_facts(const ConversionOptions& options, const OpenedInput& input, con
   print_text(facts.json());
 }
 
+/// Returns the files of the steps of a time series, or a single file.
+std::vector<std::string> steps_of(const ConversionOptions& options) {
+  std::vector<std::string> steps(options.files.begin(), options.files.end() - 1);
+  if (auto series = steps.size() == 1 ? file_series(steps.front()) : std::nullopt) steps = std::move(*series);
+  return steps;
+}
+
+/// Reports whether splats may be read in pieces. Edits and other methods need all splats in memory.
+bool in_pieces(const ConversionOptions& options, std::span<const std::string> steps) {
+  return steps.size() == 1 && options.splats.empty() && options.fraction == 0 &&
+         (options.method == EncodeMethod::automatic || options.method == EncodeMethod::gaussians);
+}
+
 }  // namespace
 
-std::optional<EncodeInput> open_encode_input(const ConversionOptions& options, ProgressBar& progress) {
+std::optional<SplatSurvey> survey_encode_input(const ConversionOptions& options, qnv::Ranks& ranks) {
+  const std::vector<std::string> steps = steps_of(options);
+  return survey_many_splats(in_pieces(options, steps) ? steps.front() : std::string(), ranks);
+}
+
+std::optional<EncodeInput> open_encode_input(const ConversionOptions& options, ProgressBar& progress,
+                                             const SplatSurvey* known) {
   const std::string &in = options.files.front(), &out = options.files.back();
-  std::vector<std::string> steps(options.files.begin(), options.files.end() - 1);
-  if (auto series = steps.size() == 1 ? file_series(in) : std::nullopt) steps = std::move(*series);
+  std::vector<std::string> steps = steps_of(options);
   for (const std::string& step : steps)
     if (const auto refusal = refuse_to_replace(out, step, qnv::encode_header({}))) {
       (void)fail(*refusal);
@@ -50,10 +69,8 @@ std::optional<EncodeInput> open_encode_input(const ConversionOptions& options, P
     (void)fail(in + ": no file name matches this numbered pattern");
     return std::nullopt;
   }
-  // Edits and other methods need all splats in memory.
-  const bool in_pieces = steps.size() == 1 && options.splats.empty() && options.fraction == 0 &&
-                         (options.method == EncodeMethod::automatic || options.method == EncodeMethod::gaussians);
-  auto input = in_pieces ? open_many_splats(steps.front()) : std::nullopt;
+  auto input = in_pieces(options, steps) ? open_many_splats(steps.front(), known) : std::nullopt;
+  if (!input && steps.size() == 1 && !options.isovalue) input = open_grid_in_parts(options, steps.front());
   if (!input) input = steps.size() > 1 ? open_steps(options, steps) : open_input(options, steps.front());
   if (!input) return std::nullopt;
   if (const auto problem = edit_input(options.splats, *input)) {

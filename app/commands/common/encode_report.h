@@ -19,8 +19,13 @@ struct EncodeInput {
   OpenedInput input;
 };
 
-/// Opens the inputs. First checks that the output may be written, because encoding may take long. Prints errors.
-[[nodiscard]] std::optional<EncodeInput> open_encode_input(const ConversionOptions& options, ProgressBar& progress);
+/// Opens the inputs. First checks that the output may be written, because encoding may take long. Prints errors. With a
+/// survey of a file of splats, does not read this file.
+[[nodiscard]] std::optional<EncodeInput> open_encode_input(const ConversionOptions& options, ProgressBar& progress,
+                                                           const SplatSurvey* known = nullptr);
+/// Surveys the input if it is a large file of splats, which the ranks read together. Returns nullopt for other inputs.
+/// Collective.
+[[nodiscard]] std::optional<SplatSurvey> survey_encode_input(const ConversionOptions& options, qnv::Ranks& ranks);
 
 /// Returns an error if a stream is too large for the options.
 [[nodiscard]] std::optional<std::string> check_size(const ConversionOptions& options, const qnv::EncodedStream& stream);

@@ -16,6 +16,7 @@
 #include "base/text.h"
 #include "net/base/url.h"
 #include "net/files/file.h"
+#include "qnv/codecs/gaussians/encode/gaussians_stream.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/values/decode/values_slices.h"
 #include "qnv/reader/decode_stream.h"
@@ -183,6 +184,14 @@ std::optional<MeshStream> large_mesh(const LoadingOptions& options, const Conten
   return mesh;
 }
 
+/// Maps a local file. Returns null if it cannot be opened.
+std::shared_ptr<const net::MappedFile> mapped_input(const std::string& path) {
+  if (is_url_input(path)) return nullptr;
+  auto mapped = net::map_file(local_input(path));
+  auto* const file = std::get_if<net::MappedFile>(&mapped);
+  return file ? std::make_shared<const net::MappedFile>(std::move(*file)) : nullptr;
+}
+
 const ContentType& type_of_input(const InputOptions& options, const std::string& path,
                                  std::span<const std::byte> bytes) {
   const ContentType& type = content_type_of(path, first_bytes(bytes));
@@ -280,18 +289,43 @@ std::optional<OpenedInput> open_input(const InputOptions& options, const std::st
   return input;
 }
 
-std::optional<OpenedInput> open_many_splats(const std::string& path) {
-  if (is_url_input(path)) return std::nullopt;
+std::optional<SplatSurvey> survey_many_splats(const std::string& path, qnv::Ranks& ranks) {
+  const auto file = mapped_input(path);
+  return survey_splats(
+      local_input(path), file ? file->bytes() : std::span<const std::byte>(), qnv::kMostWholeGaussians,
+      [file](std::size_t bytes) { file->put_aside(bytes); }, ranks);
+}
+
+std::optional<OpenedInput> open_many_splats(const std::string& path, const SplatSurvey* known) {
   const std::string local = local_input(path);
-  auto mapped = net::map_file(local);
-  if (std::holds_alternative<net::FileError>(mapped)) return std::nullopt;
-  const auto file = std::make_shared<const net::MappedFile>(std::move(std::get<net::MappedFile>(mapped)));
-  auto splats = open_splat_file(file->bytes(), [file](std::size_t bytes) { file->put_aside(bytes); });
+  const auto file = mapped_input(path);
+  if (!file) return std::nullopt;
+  auto splats = open_splat_file(
+      local, file->bytes(), qnv::kMostWholeGaussians, [file](std::size_t bytes) { file->put_aside(bytes); }, known);
   if (!splats) return std::nullopt;
   const ContentType& type = content_type_of(local, first_bytes(file->bytes()));
   OpenedInput input{{}, std::string(type.name), file_name(local), file->bytes().size(), {}, {}, file};
   input.upright = upright_of(type.up, splats->source.base.description.box.size());
   input.content = std::move(*splats);
+  return input;
+}
+
+std::optional<OpenedInput> open_grid_in_parts(const InputOptions& options, const std::string& path) {
+  const auto file = mapped_input(path);
+  if (!file) return std::nullopt;
+  const std::string local = local_input(path);
+  VolumeFile source{
+      local, file_name(local), {file, file->bytes()}, reader_beside(local, load_options(options).allowed)};
+  source.budget = std::make_shared<Budget>(options.limits);
+  source.component = options.component;
+  auto grid = open_large_grid(source, source.budget->limit(Resource::nodes));
+  if (!grid) return std::nullopt;
+  const ContentType& type = content_type_of(local, first_bytes(file->bytes()));
+  OpenedInput input{{}, std::string(type.name), file_name(local), file->bytes().size(), {}, {}, file};
+  for (const VtkPartFile& part : grid->files.files)
+    if (!part.path.empty()) input.bytes += part.size;
+  input.upright = upright_of(type.up, glm::vec3(0));
+  input.content = std::move(*grid);
   return input;
 }
 
@@ -395,7 +429,6 @@ std::optional<std::string> edit_input(const SplatEdit& edit, OpenedInput& input)
   auto* const splats = geometry ? geometry->as<qnv::Gaussians>() : nullptr;
   const std::string first = options_of(edit).front();
   if (!splats) return first + " edits Gaussian splats; expected a file of splats";
-  if (edit.outside && !edit.box && !edit.ball) return "--crop-outside needs --crop-box or --crop-sphere";
   const SplatsRemoved removed = edit_splats(*splats, edit);
   if (splats->empty()) return first + " leaves no splat of " + std::to_string(removed.before);
   for (std::string& message : messages_of(removed)) input.losses.push_back(std::move(message));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/commands/common/option_groups.h"
+#include "app/encode/grids/large_grid.h"
 #include "app/encode/mesh_stream.h"
 #include "app/encode/mesh_surface.h"
 #include "app/encode/splat_file.h"
@@ -28,8 +29,8 @@ struct OpenedSurface {
 };
 
 /// Content of an input of `encode`, `export` and `info`.
-using Opened =
-    std::variant<qnv::VolumeSource, qnv::Geometry, std::unique_ptr<OpenedSurface>, MeshSurface, MeshStream, SplatFile>;
+using Opened = std::variant<qnv::VolumeSource, qnv::Geometry, std::unique_ptr<OpenedSurface>, MeshSurface, MeshStream,
+                            SplatFile, LargeGrid>;
 
 /// Form in which a mesh file is opened. A plain one has no nodes and no renderer; a file that refers to others, such as
 /// textures, becomes a world all the same.
@@ -43,7 +44,7 @@ struct OpenedInput {
   std::size_t bytes = 0;
   std::vector<std::string> losses = {};         // properties of the file that its importer does not keep, as messages
   Upright upright{};                            // orientation that the format implies, if the file defines none
-  std::shared_ptr<const net::MappedFile> file;  // mapped file, if `content` is a MeshStream or a SplatFile
+  std::shared_ptr<const net::MappedFile> file;  // mapped file, if `content` is read in parts
 };
 
 /// Returns the maximum number of triangles in memory while a displaced payload is encoded. A larger mesh is simplified
@@ -60,9 +61,13 @@ struct OpenedInput {
 [[nodiscard]] std::optional<OpenedInput> open_input(const InputOptions& options, const std::string& path,
                                                     MeshForm form = MeshForm::plain);
 
-/// Opens a local file with too many splats for one common tree (app/encode/splat_file.h). Returns nullopt for
-/// other files, and for those that cannot be opened.
-[[nodiscard]] std::optional<OpenedInput> open_many_splats(const std::string& path);
+/// Surveys a local file with too many splats for one common tree (app/encode/splat_file.h). Returns nullopt for other
+/// files, and for those that cannot be opened. Collective.
+[[nodiscard]] std::optional<SplatSurvey> survey_many_splats(const std::string& path, qnv::Ranks& ranks);
+/// Opens such a file. Without a survey, reads it once. Returns nullopt for other files.
+[[nodiscard]] std::optional<OpenedInput> open_many_splats(const std::string& path, const SplatSurvey* known = nullptr);
+/// Opens a local file of an unstructured grid that exceeds memory (app/encode/grids/). Returns nullopt for other files.
+[[nodiscard]] std::optional<OpenedInput> open_grid_in_parts(const InputOptions& options, const std::string& path);
 /// Opens a stream of values for formats that need nothing else. Its slices are decoded when they are read, so that the
 /// volume may exceed memory. Returns nullopt for other files, and for streams that cannot be opened in this way.
 [[nodiscard]] std::optional<OpenedInput> open_values_stream(const std::string& path);

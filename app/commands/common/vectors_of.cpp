@@ -3,6 +3,7 @@
 #include "app/base/console.h"
 #include "app/commands/common/input_surface.h"
 #include "app/commands/common/shared.h"
+#include "app/encode/grids/grid_surface.h"
 #include "app/encode/surface_triangles.h"
 #include "app/encode/textured_surface.h"
 #include "app/formats/qnv/geometry_reader.h"
@@ -57,7 +58,11 @@ Metadata surface_metadata(const ConversionOptions& options, const OpenedInput& i
   Metadata metadata = metadata_of(options, input, options.files.front(), volume ? volume->layout.metadata : Metadata{});
   const auto* world = std::get_if<std::unique_ptr<OpenedSurface>>(&input.content);
   const auto* mesh = std::get_if<MeshSurface>(&input.content);
-  const std::optional<ColorKey> key = world ? (*world)->world.color_key : mesh ? mesh->color_key : std::nullopt;
+  const auto* stream = std::get_if<MeshStream>(&input.content);
+  const std::optional<ColorKey> key = world    ? (*world)->world.color_key
+                                      : mesh   ? mesh->color_key
+                                      : stream ? stream->color_key
+                                               : std::nullopt;
   if (key) metadata.push_back(color_key_metadata(*key));
   if (volume) {
     char value[32];
@@ -156,6 +161,27 @@ std::variant<qnv::Volume, EncodeError> gradients(const qnv::VolumeSource& volume
   return std::move(std::get<qnv::Volume>(found));
 }
 
+/// Encodes the surface of a grid that exceeds memory.
+std::variant<qnv::EncodedStream, EncodeError> encode_grid(const ConversionOptions& options, const OpenedInput& input,
+                                                          ProgressBar& progress, const EncodeOutput& output) {
+  qnv::EncodeOptions pieces;
+  pieces.ranks = output.ranks;
+  pieces.spill = output.spill;
+  qnv::EncodeRanks shared(pieces);
+  auto surface = grid_surface(std::get<LargeGrid>(input.content), shared, options.limits.memory, &progress.whole());
+  if (auto* problem = std::get_if<EncodeError>(&surface)) return std::move(*problem);
+  const OpenedInput made{std::move(std::get<MeshStream>(surface)),
+                         input.type,
+                         input.title,
+                         input.bytes,
+                         input.losses,
+                         input.upright,
+                         input.file};
+  EncodeOutput rest = output;
+  rest.spill = &shared.store();
+  return encode_input(options, made, progress, rest);
+}
+
 // Reports whether the stream of a volume stores values instead of gradients.
 bool keeps_values(const ConversionOptions& options) {
   const bool selects_gradients = options.vectors > 0 || options.fraction > 0;
@@ -172,7 +198,9 @@ Upright wanted_upright(const ConversionOptions& options, const OpenedInput& inpu
 }
 
 bool shares_work(const ConversionOptions& options, const OpenedInput& input) {
-  if (std::holds_alternative<MeshStream>(input.content)) return true;
+  if (std::holds_alternative<MeshStream>(input.content) || std::holds_alternative<SplatFile>(input.content) ||
+      std::holds_alternative<LargeGrid>(input.content))
+    return true;
   const auto* const volume = std::get_if<qnv::VolumeSource>(&input.content);
   return volume && !options.isovalue && options.exact_bits <= 0 && keeps_values(options);
 }
@@ -195,6 +223,7 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
   const auto* const splat_file = std::get_if<SplatFile>(&input.content);
   if (options.method == EncodeMethod::gaussians && !splat_file && !(splats && splats->as<qnv::Gaussians>()))
     return EncodeError{"--method gaussians applies to Gaussian splats only; leave it out"};
+  if (std::holds_alternative<LargeGrid>(input.content)) return encode_grid(options, input, progress, output);
   if (const auto surface = input_surface(input, options.isovalue, progress)) {
     if (options.isovalue && options.fraction > 0)
       return EncodeError{"--fraction counts the voxels of a volume; use --vectors with --isovalue"};
@@ -218,6 +247,7 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
     encode_options.memory = options.limits.memory / kPartsShare;
   }
   if (splat_file) {
+    encode_options.ranks = output.ranks;
     encode_options.metadata = metadata_of(options, input, path, splat_file->source.base.description.metadata);
     const auto steps = splat_steps(options, true);
     if (const auto* problem = std::get_if<EncodeError>(&steps)) return *problem;

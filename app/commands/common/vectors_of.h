@@ -26,12 +26,12 @@ struct EncodeOutput {
   unsigned threads = 0;
 };
 
-/// Reports whether several ranks can share the work of encode_input(): the values of a volume, or a mesh that exceeds
-/// memory.
+/// Reports whether several ranks can share the work of encode_input(): the values of a volume, a mesh or a grid that
+/// exceeds memory, or splats that are read in pieces.
 [[nodiscard]] bool shares_work(const ConversionOptions& options, const OpenedInput& input);
 
-/// Encodes an input (qnv::encode) with the settings of the options. Only volumes use the sink of `output`; other
-/// streams have their bytes in memory.
+/// Encodes an input (qnv::encode) with the settings of the options. Only volumes and splats use the sink of `output`;
+/// other streams have their bytes in memory.
 [[nodiscard]] std::variant<qnv::EncodedStream, qnv::EncodeError> encode_input(const ConversionOptions& options,
                                                                               const OpenedInput& input,
                                                                               ProgressBar& progress,

@@ -61,8 +61,9 @@ constexpr CommandRow kCommands[] = {
      "convert a world, mesh, volume, splats or points to a QNV stream; --method outlines makes outline groups. Several "
      "volumes, also run.%04d.nrrd, are the steps of a time series",
      2, kAny, calls<run_encode, check_encode>(), true},
-    {"export", "IN OUT", "convert scenes to X3D and VRML97; meshes, splats and points to STL, OBJ, PLY, glTF and SPZ",
-     2, 2, calls<run_export, check_export>(), true},
+    {"export", "IN OUT",
+     "convert scenes to X3D and VRML97; meshes, splats and points to STL, OBJ, PLY, glTF, SPZ and SOG", 2, 2,
+     calls<run_export, check_export>(), true},
     {"serve", "FOLDER", "serve a folder of worlds and streams, with an index, thumbnails and encoding on demand", 0, 1,
      calls<run_serve, check_serve>()},
     {"fetch", "URL", "read a file and report bytes, vectors, time to the first picture and losses", 1, 1,

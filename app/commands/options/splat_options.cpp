@@ -14,21 +14,24 @@
 namespace gs::app {
 namespace {
 
-Problem set_crop_box(SplatEditOptions& options, const std::string& value) {
+template <bool removes>
+Problem add_box(SplatEditOptions& options, const std::string& value) {
   std::array<double, 6> numbers{};
   if (!read_list(value, ',', numbers)) return "expected two corners X,Y,Z,X,Y,Z";
-  SplatBox& box = options.splats.box.emplace();
+  SplatBox box;
   for (int k = 0; k < 3; ++k) {
     const auto first = static_cast<std::size_t>(k);
     std::tie(box.lower[k], box.upper[k]) = std::minmax(numbers[first], numbers[first + 3]);
   }
+  options.splats.crops.push_back({box, removes});
   return {};
 }
 
-Problem set_crop_sphere(SplatEditOptions& options, const std::string& value) {
+template <bool removes>
+Problem add_sphere(SplatEditOptions& options, const std::string& value) {
   std::array<double, 4> numbers{};
   if (!read_list(value, ',', numbers) || !(numbers[3] > 0)) return "expected X,Y,Z,RADIUS with a radius above 0";
-  options.splats.ball = SplatBall{{numbers[0], numbers[1], numbers[2]}, numbers[3]};
+  options.splats.crops.push_back({SplatBall{{numbers[0], numbers[1], numbers[2]}, numbers[3]}, removes});
   return {};
 }
 
@@ -69,18 +72,20 @@ Problem set_exposure(SplatEditOptions& options, const std::string& value) {
   return read(value, exposure) && exposure >= -kMost && exposure <= kMost ? Problem{} : "expected -16 to 16 stops";
 }
 
-Problem set_crop_outside(SplatEditOptions& options, const std::string&) {
-  options.splats.outside = true;
-  return {};
-}
-
 constexpr OptionRow kSplatOptions[] = {
-    {"--crop-box", "X,Y,Z,X,Y,Z", "", "Gaussian splats: keep those with centres in the box between two corners",
-     "encode export ", with<set_crop_box>},
-    {"--crop-sphere", "X,Y,Z,RADIUS", "", "Gaussian splats: keep those with centres in the sphere", "encode export ",
-     with<set_crop_sphere>},
-    {"--crop-outside", "", "", "remove the splats inside of --crop-box and --crop-sphere, and keep the others",
-     "encode export ", with<set_crop_outside>},
+    {"--crop-box", "X,Y,Z,X,Y,Z", "",
+     "Gaussian splats: keep those with centres in the box between two corners; repeat it, or add --crop-sphere, to "
+     "keep "
+     "those in any of the regions",
+     "encode export ", with<add_box<false>>},
+    {"--crop-sphere", "X,Y,Z,RADIUS", "", "Gaussian splats: keep those with centres in the sphere, like --crop-box",
+     "encode export ", with<add_sphere<false>>},
+    {"--remove-box", "X,Y,Z,X,Y,Z", "",
+     "Gaussian splats: remove those with centres in the box, also from regions to keep; may be repeated",
+     "encode export ", with<add_box<true>>},
+    {"--remove-sphere", "X,Y,Z,RADIUS", "",
+     "Gaussian splats: remove those with centres in the sphere, also from regions to keep; may be repeated",
+     "encode export ", with<add_sphere<true>>},
     {"--min-opacity", "SHARE", "0", "Gaussian splats: remove fainter ones (0 to 1, or 5%)", "encode export ",
      with<set_min_opacity>},
     {"--max-splat-size", "LENGTH", "", "Gaussian splats: remove those with a longer standard deviation",

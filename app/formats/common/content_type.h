@@ -10,8 +10,12 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 
 namespace gs::app {
+
+struct SplatRows;
+using OpenedSplatRows = std::variant<SplatRows, std::string>;
 
 /// Class of a file's content. Decides how the file is read.
 enum class ContentClass : std::uint8_t {
@@ -42,6 +46,8 @@ struct ContentType {
   bool (*holds_mesh)(const ImportSource& source) = nullptr;
   const ContentType* mesh_type = nullptr;
   bool belongs_to_others = false;  // other viewers own such files, so that the desktop does not offer this program
+  /// Splats: opens a file that is not compressed, to read it in ranges. Null if this type is only read whole.
+  OpenedSplatRows (*open_rows)(std::span<const std::byte> bytes, const WorldBudget& budget) = nullptr;
 
   /// Returns the error for a file of a type with a `remedy`: "STEP cannot be read; open it in ...".
   [[nodiscard]] std::string refusal() const { return std::string(name) + " cannot be read; " + std::string(remedy); }

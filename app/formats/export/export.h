@@ -48,13 +48,13 @@ using Exported = std::variant<std::vector<std::byte>, std::string>;
 /// Codebooks of 256 numbers hold scales, colours and harmonics. The axes are right, down, forward.
 [[nodiscard]] Exported export_sog(const qnv::Geometry& geometry, const ExportOptions& options = {});
 
-/// Exports binary glTF 2.0 with KHR_gaussian_splatting (release candidate of April 2026) as one POINTS primitive.
+/// Exports binary glTF 2.0 with KHR_gaussian_splatting (ratified in 2026) as one POINTS primitive.
 /// COLOR_0 is for viewers without the extension. Refuses files over 4 GiB.
 [[nodiscard]] Exported export_glb_splats(const qnv::Geometry& geometry, const ExportOptions& options = {});
 /// Exports binary glTF: a mesh (export_glb_mesh.h) if `geometry` has triangles, else splats.
 [[nodiscard]] Exported export_glb(const qnv::Geometry& geometry, const ExportOptions& options = {});
 
-/// Export Niantic's SPZ of degree 0: version 4 (zstd) and version 3 (gzip). The axes are right, up, back. A position
+/// Export Niantic's SPZ: version 4 (zstd) and version 3 (gzip). The axes are right, up, back. A position
 /// has 24 bits, relative to the largest coordinate. Sizes are accurate to 6 %. Both functions refuse input without
 /// visible vectors, because SPZ cannot represent it.
 [[nodiscard]] Exported export_spz(const qnv::Geometry& geometry, const ExportOptions& options = {});
@@ -76,7 +76,7 @@ using Exported = std::variant<std::vector<std::byte>, std::string>;
 
 /// Error of formats that hold triangles only.
 inline constexpr std::string_view kNoTriangles =
-    "the input has no triangles, only splats or points; expected .ply, .glb or .spz instead";
+    "the input has no triangles, only splats or points; expected .ply, .glb, .spz or .sog instead";
 
 /// Exports binary STL: triangles without colours. Coordinates are float32.
 [[nodiscard]] Exported export_stl(const qnv::Geometry& geometry, const ExportOptions& options = {});
@@ -93,6 +93,7 @@ enum ExportKeeps : unsigned {
   kNeedsTriangles = 16,  // the format holds nothing else
   kNeedsValues = 32,     // the format holds the values of a volume
   kKeepsGaussians = 64,  // shapes, opacities and spherical harmonics of splats
+  kKeepsFilter = 128,    // qnv::Gaussians::antialiased
 };
 
 /// Export format.
@@ -107,6 +108,7 @@ struct ExportFormat {
   std::optional<std::string> (*write_pieces)(const qnv::Geometry& geometry, const ExportOptions& options,
                                              const std::function<bool(std::span<const std::byte>)>& take) = nullptr;
   std::string_view rounding = {};  // message about the rounding of Gaussian splats; empty if they are kept exactly
+  std::string_view harmonics_rounding = {};  // end of this message, for splats with harmonics
 };
 
 /// Returns all formats. If several formats share an extension, the first one is its default.

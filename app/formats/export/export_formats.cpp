@@ -9,18 +9,18 @@
 namespace gs::app {
 namespace {
 
-constexpr std::string_view kSpzRounding =
-    "SPZ rounds splats: sizes to 3 %, opacities to 0.2 %, colours to 0.4 %, harmonics to 0.4 % between -1 and 1";
-constexpr std::string_view kSogRounding =
-    "SOG rounds splats: 16 bits per coordinate, 256 values for sizes and colours, a palette of harmonics";
+constexpr std::string_view kSpzRounding = "SPZ rounds splats: sizes to 3 %, opacities to 0.2 %, colours to 0.4 %";
+constexpr std::string_view kSpzHarmonics = ", harmonics to 0.4 % between -1 and 1";
+constexpr std::string_view kSogRounding = "SOG rounds splats: 16 bits per coordinate, 256 values for sizes and colours";
+constexpr std::string_view kSogHarmonics = ", a palette of harmonics";
 
 constexpr ExportFormat kExportFormats[] = {
     {"ply", ".ply", "PLY: a mesh or points with normals, colours and areas; Gaussian splats as .3dgs.ply", export_ply,
-     kKeepsTriangles | kKeepsColors | kKeepsGaussians},
+     kKeepsTriangles | kKeepsColors | kKeepsGaussians | kKeepsFilter},
     {"points-ply", ".points.ply", "PLY mesh or points; Gaussian splats as opaque discs", export_points_ply,
      kKeepsTriangles | kKeepsColors},
     {"3dgs-ply", ".3dgs.ply", "Gaussian splats as PLY (Inria), with everything", export_splats_ply,
-     kKeepsColors | kKeepsGaussians},
+     kKeepsColors | kKeepsGaussians | kKeepsFilter},
     {"glb", ".glb", "glTF binary: a mesh with its picture, or splats (KHR_gaussian_splatting)", export_glb,
      kKeepsTriangles | kKeepsColors | kKeepsTexture | kKeepsGaussians},
     {"glb-splats", ".splats.glb", "glTF binary with KHR_gaussian_splatting", export_glb_splats,
@@ -28,12 +28,12 @@ constexpr ExportFormat kExportFormats[] = {
     {"stl", ".stl", "STL mesh, binary, without colours", export_stl, kKeepsTriangles | kNeedsTriangles},
     {"obj", ".obj", "OBJ mesh with colours, and its material and texture beside it", export_obj,
      kKeepsTriangles | kKeepsColors | kKeepsTexture | kKeepsShine | kNeedsTriangles},
-    {"spz", ".spz", "Gaussian splats as SPZ version 4 (zstd)", export_spz, kKeepsColors | kKeepsGaussians, nullptr,
-     kSpzRounding},
-    {"spz3", ".v3.spz", "Gaussian splats as SPZ version 3 (gzip)", export_spz3, kKeepsColors | kKeepsGaussians, nullptr,
-     kSpzRounding},
-    {"sog", ".sog", "Gaussian splats as SOG version 2 (PlayCanvas)", export_sog, kKeepsColors | kKeepsGaussians,
-     nullptr, kSogRounding},
+    {"spz", ".spz", "Gaussian splats as SPZ version 4 (zstd)", export_spz,
+     kKeepsColors | kKeepsGaussians | kKeepsFilter, nullptr, kSpzRounding, kSpzHarmonics},
+    {"spz3", ".v3.spz", "Gaussian splats as SPZ version 3 (gzip)", export_spz3,
+     kKeepsColors | kKeepsGaussians | kKeepsFilter, nullptr, kSpzRounding, kSpzHarmonics},
+    {"sog", ".sog", "Gaussian splats as SOG version 2 (PlayCanvas)", export_sog,
+     kKeepsColors | kKeepsGaussians | kKeepsFilter, nullptr, kSogRounding, kSogHarmonics},
     {"vrml97", ".wrl", "VRML97 for any browser: scenes and meshes with all nodes; vectors as points",
      export_vrml97_points, kKeepsColors},
     {"vrml97-patches", ".patches.wrl", "VRML97 for any browser: a square for each vector", export_vrml97_patches,
@@ -76,11 +76,18 @@ std::vector<std::string> export_losses(const ExportFormat& format, const qnv::Ge
     losses.push_back("colours are left out; .ply, .glb and .obj keep them");
   if (lacks(kKeepsShine) && qnv::shine_of(vectors.description) != qnv::Shine{})
     losses.push_back("the specular colour of the material is left out");
-  if (geometry.as<qnv::Gaussians>() && lacks(kKeepsGaussians))
+  const auto* gaussians = geometry.as<qnv::Gaussians>();
+  if (gaussians && lacks(kKeepsGaussians))
     for (const auto& [key, value] : vectors.description.metadata)
       if (key == kSplatsAsDiscs)
         losses.push_back("splats become " + value + "; .ply, .spz, .sog and .splats.glb keep them");
-  if (geometry.as<qnv::Gaussians>() && !format.rounding.empty()) losses.emplace_back(format.rounding);
+  if (gaussians && gaussians->antialiased && lacks(kKeepsFilter) && !lacks(kKeepsGaussians))
+    losses.emplace_back(
+        "the mark of splats for antialiased drawing (Mip-Splatting) is left out, so that small splats become more "
+        "opaque; .ply, .spz and .sog keep it");
+  if (gaussians && !format.rounding.empty())
+    losses.push_back(std::string(format.rounding) +
+                     (gaussians->degree > 0 ? std::string(format.harmonics_rounding) : std::string()));
   if (volume && !volume->classes.empty()) losses.push_back("the values of the voxels become colours");
   return losses;
 }

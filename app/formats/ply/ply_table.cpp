@@ -92,6 +92,16 @@ std::vector<double> PlyTable::wide_column(std::string_view property) const {
   return column_of<double>(*this, property);
 }
 
+PlyTable part_of(const PlyTable& table, std::size_t first, std::size_t count) {
+  PlyTable part;
+  part.header = table.header;
+  part.element = table.element;
+  part.element.count = part.rows = count;
+  const std::size_t row = table.element.least_row_bytes();
+  part.data = table.data.subspan(first * row, count * row);
+  return part;
+}
+
 std::optional<PlyHeader> ply_header_of(std::span<const std::byte> bytes) {
   TextCursor cursor(bytes);
   return HeaderReading(cursor).header;

@@ -35,6 +35,9 @@ struct PlyTable {
                                                                  std::string_view name,
                                                                  const WorldBudget& budget = own_budget());
 
+/// Returns `count` rows of a binary table, from row `first` on. They must be in the table.
+[[nodiscard]] PlyTable part_of(const PlyTable& table, std::size_t first, std::size_t count);
+
 /// Reads only the header of a PLY file. Returns nullopt if the header is invalid.
 [[nodiscard]] std::optional<PlyHeader> ply_header_of(std::span<const std::byte> bytes);
 

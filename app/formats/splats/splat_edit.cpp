@@ -10,6 +10,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/vec4.hpp>
+#include <glm/vector_relational.hpp>
 
 #include <algorithm>
 #include <charconv>
@@ -29,11 +30,22 @@ constexpr double kDisplayGamma = 2.2;
 
 enum class SplatFate : std::uint8_t { kept, cropped, faint, large, far };
 
-bool is_in_crop(const SplatEdit& edit, const glm::dvec3& place) {
-  if (edit.box)
-    for (int k = 0; k < 3; ++k)
-      if (!(place[k] >= edit.box->lower[k] && place[k] <= edit.box->upper[k])) return false;
-  return !edit.ball || glm::distance(place, edit.ball->center) <= edit.ball->radius;
+bool is_inside(const SplatBox& box, const glm::dvec3& place) {
+  return glm::all(glm::greaterThanEqual(place, box.lower)) && glm::all(glm::lessThanEqual(place, box.upper));
+}
+bool is_inside(const SplatBall& ball, const glm::dvec3& place) {
+  return glm::distance(place, ball.center) <= ball.radius;
+}
+
+bool is_cropped(const SplatEdit& edit, const glm::dvec3& place) {
+  bool is_kept = false, some_keep = false;
+  for (const SplatCrop& crop : edit.crops) {
+    const bool inside = std::visit([&](const auto& shape) { return is_inside(shape, place); }, crop.shape);
+    if (inside && crop.removes) return true;
+    is_kept = is_kept || inside;
+    some_keep = some_keep || !crop.removes;
+  }
+  return some_keep && !is_kept;
 }
 
 bool edited_in_range(const glm::dvec3& v) {
@@ -42,7 +54,7 @@ bool edited_in_range(const glm::dvec3& v) {
 
 SplatFate fate_of(const SplatEdit& edit, const glm::dmat4& matrix, const qnv::Gaussians& splats, std::size_t i) {
   const glm::dvec3 place = splats.description.origin + glm::dvec3(splats.positions[i]);
-  if ((edit.box || edit.ball) && is_in_crop(edit, place) == edit.outside) return SplatFate::cropped;
+  if (is_cropped(edit, place)) return SplatFate::cropped;
   if (static_cast<double>(splats.opacities[i]) < edit.least_opacity) return SplatFate::faint;
   const glm::vec3& scales = splats.scales[i];
   const double size = static_cast<double>(std::max({scales.x, scales.y, scales.z}));
@@ -192,9 +204,13 @@ std::vector<std::string> options_of(const SplatEdit& edit) {
   const auto add = [&](const char* name, std::string value) {
     options.insert(options.end(), {name, std::move(value)});
   };
-  if (edit.box) add("--crop-box", option_text(edit.box->lower) + "," + option_text(edit.box->upper));
-  if (edit.ball) add("--crop-sphere", option_text(edit.ball->center) + "," + option_text(edit.ball->radius));
-  if (edit.outside) options.emplace_back("--crop-outside");
+  for (const SplatCrop& crop : edit.crops) {
+    if (const auto* const box = std::get_if<SplatBox>(&crop.shape))
+      add(crop.removes ? "--remove-box" : "--crop-box", option_text(box->lower) + "," + option_text(box->upper));
+    else if (const auto* const ball = std::get_if<SplatBall>(&crop.shape))
+      add(crop.removes ? "--remove-sphere" : "--crop-sphere",
+          option_text(ball->center) + "," + option_text(ball->radius));
+  }
   if (edit.least_opacity > 0) add("--min-opacity", option_text(edit.least_opacity));
   if (edit.most_size > 0) add("--max-splat-size", option_text(edit.most_size));
   if (edit.scale != 1) add("--scale", option_text(edit.scale));

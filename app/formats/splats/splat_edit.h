@@ -6,8 +6,8 @@
 #include <glm/vec3.hpp>
 
 #include <cstddef>
-#include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace gs::app {
@@ -25,14 +25,21 @@ struct SplatBall {
   friend bool operator==(const SplatBall&, const SplatBall&) = default;
 };
 
-/// Edit of Gaussian splats by the user. The crop and the limits select splats, in source coordinates. The remaining
+/// Region that selects splats by their centres.
+struct SplatCrop {
+  std::variant<SplatBox, SplatBall> shape;
+  bool removes = false;  // removes the splats inside; otherwise keeps them
+  friend bool operator==(const SplatCrop&, const SplatCrop&) = default;
+};
+
+/// Edit of Gaussian splats by the user. The crops and the limits select splats, in source coordinates. The remaining
 /// splats are scaled and turned about the point 0 0 0, and then moved. The exposure changes their colours.
 struct SplatEdit {
-  std::optional<SplatBox> box;    // keeps splats with centres inside
-  std::optional<SplatBall> ball;  // keeps splats with centres inside
-  bool outside = false;           // removes the splats inside of both box and ball, and keeps the others
-  double least_opacity = 0;       // minimum opacity of a splat at its centre
-  double most_size = 0;           // maximum standard deviation of a splat; 0 means unlimited
+  /// Regions in any order. A splat stays if it is in no region that removes, and in at least one of those that keep. If
+  /// no region keeps, it stays outside of all that remove.
+  std::vector<SplatCrop> crops;
+  double least_opacity = 0;  // minimum opacity of a splat at its centre
+  double most_size = 0;      // maximum standard deviation of a splat; 0 means unlimited
   double scale = 1;
   glm::dvec3 turn{0};   // degrees about the axes x, y and z, in this order
   glm::dvec3 move{0};   // units of the source

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace gs::app {
 namespace {
@@ -41,11 +42,23 @@ qnv::Rgb8 color_of(const glm::vec3& dc) {
   return {part(dc.x), part(dc.y), part(dc.z)};
 }
 
+/// Returns a quaternion of length 1. Returns nullopt for 0, and for numbers that are not finite.
+std::optional<glm::vec4> unit_of(const glm::vec4& q) {
+  const float square = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
+  constexpr float kLeast = 1e-20f, kMost = 1e20f;  // beyond, squares of floats lose digits or overflow
+  if (square > kLeast && square < kMost) return q / std::sqrt(square);
+  const glm::dvec4 wide(q);
+  const double length = std::sqrt(wide.x * wide.x + wide.y * wide.y + wide.z * wide.z + wide.w * wide.w);
+  if (!(length > 0) || !std::isfinite(length)) return std::nullopt;
+  return glm::vec4(wide / length);
+}
+
 /// Splat converted to a disc, or the reason why there is no disc.
 struct Disc {
   enum class Fate { kept, faint, broken } fate = Fate::broken;
   glm::dvec3 place{0};
   glm::vec3 normal{0};
+  glm::vec4 rotation{0};  // of length 1
   float area = 0;
   bool thick = false, flat_across_z = false;
 };
@@ -53,11 +66,11 @@ struct Disc {
 Disc disc_of(const SplatModel& model, std::size_t i) {
   Disc disc;
   const glm::vec3 scale = model.scales[i];
-  const glm::vec4 q = model.rotations[i];
-  const float length = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
+  const std::optional<glm::vec4> rotation = unit_of(model.rotations[i]);
   if (!usable(model.positions[i]) || !usable(glm::dvec3(scale)) || !(scale.x >= 0 && scale.y >= 0 && scale.z >= 0))
     return disc;
-  if (!(length > 0) || !std::isfinite(length) || !std::isfinite(model.opacities[i])) return disc;
+  if (!rotation || !std::isfinite(model.opacities[i])) return disc;
+  disc.rotation = *rotation;
   if (model.opacities[i] < kMinOpacity) {
     disc.fate = Disc::Fate::faint;
     return disc;
@@ -67,7 +80,7 @@ Disc disc_of(const SplatModel& model, std::size_t i) {
   if (!(scale[most] > 0)) return disc;
   // A line has no area, but is visible.
   disc.area = std::max(disc.area, std::numeric_limits<float>::min());
-  const glm::vec3 normal = rotated_axis({q.x / length, q.y / length, q.z / length, q.w / length}, least);
+  const glm::vec3 normal = rotated_axis(disc.rotation, least);
   const float normal_length = std::sqrt(dot(normal, normal));
   if (!std::isfinite(disc.area) || !(normal_length > 0.5f)) return disc;
   disc.place = model.positions[i] * glm::dvec3(model.axes);
@@ -77,9 +90,6 @@ Disc disc_of(const SplatModel& model, std::size_t i) {
   disc.fate = Disc::Fate::kept;
   return disc;
 }
-
-/// Returns a quaternion of length 1.
-glm::vec4 unit_of(const glm::vec4& q) { return q / std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w); }
 
 /// Returns a coefficient, or 0 if it is not finite.
 glm::vec3 coefficient_of(const glm::vec3& v) {
@@ -171,7 +181,9 @@ qnv::Gaussians vectors_of_splats(const SplatModel& model) {
   const std::size_t per = qnv::harmonic_count(model.degree);
   splats.harmonics.reserve(per * model.size());
   const std::array<float, 15> signs = harmonic_signs(model.axes);
+  double area = 0;  // of the present run
   for (std::size_t i = 0; i < model.size(); ++i) {
+    if (i % kSplatRun == 0) description.total += std::exchange(area, 0.0);
     Disc disc = disc_of(model, i);
     if (disc.fate != Disc::Fate::kept) {
       ++(disc.fate == Disc::Fate::faint ? faint : broken);
@@ -188,13 +200,14 @@ qnv::Gaussians vectors_of_splats(const SplatModel& model) {
     splats.weights.push_back(disc.area);
     splats.colors.push_back(color_of(model.dc[i]));
     splats.scales.push_back(model.scales[i]);
-    splats.rotations.push_back(turned(unit_of(model.rotations[i]), model.axes));
+    splats.rotations.push_back(turned(disc.rotation, model.axes));
     splats.opacities.push_back(std::min(model.opacities[i], 1.0f));
     splats.bases.push_back(0.5f + kSphericalHarmonic0 * coefficient_of(model.dc[i]));
     for (std::size_t k = 0; k < per; ++k)
       splats.harmonics.push_back(coefficient_of(model.coefficients[i * per + k]) * signs[k]);
-    description.total += disc.area;
+    area += static_cast<double>(disc.area);
   }
+  description.total += area;
   set_places(splats, places);
   if (!all_flat && !splats.empty()) {
     const glm::vec3 middle = description.box.lower + description.box.size() * 0.5f;
@@ -222,6 +235,15 @@ ImportedVectors import_result(const SplatModel& model) {
       std::ranges::all_of(splats.scales, [](const glm::vec3& s) { return s.z <= kFlatDisc * std::min(s.x, s.y); });
   if (discs) return static_cast<qnv::Splats&&>(splats);
   return splats;
+}
+
+ImportedVectors import_rows(const OpenedSplatRows& opened, const WorldBudget& budget) {
+  if (const auto* const problem = std::get_if<std::string>(&opened)) return *problem;
+  const SplatRows& rows = std::get<SplatRows>(opened);
+  SplatModel model;
+  if (auto problem = rows.read(0, rows.count, budget, model)) return std::move(*problem);
+  model.announced = static_cast<std::size_t>(std::min<std::uint64_t>(rows.announced, SIZE_MAX));
+  return import_result(model);
 }
 
 }  // namespace gs::app

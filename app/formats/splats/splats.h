@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -35,6 +36,8 @@ inline constexpr char kThickSplats[] = "splats not discs";
 inline constexpr float kMinOpacity = 1.0f / 255;
 /// Maximum ratio of the smallest to the middle standard deviation of a splat that counts as a disc.
 inline constexpr float kMaxDiscThickness = 0.3f;
+/// Number of splats in a run. Files are read in runs, and areas are summed by run, so that both sums are equal.
+inline constexpr std::size_t kSplatRun = std::size_t{1} << 15;
 /// Memory in bytes to convert one splat: as read, and as converted.
 inline constexpr std::size_t kSplatMemory = 190;
 
@@ -80,6 +83,21 @@ struct SplatModel {
   [[nodiscard]] std::size_t size() const { return positions.size(); }
 };
 
+/// File of Gaussian splats that is read in ranges, so that it may exceed memory. The bytes of the file must outlive it.
+struct SplatRows {
+  std::size_t count = 0;        // number of complete splats in the file
+  std::uint64_t announced = 0;  // number of splats that the file claims to have
+  std::size_t start = 0;        // offset of the rows that readers of a range reach last
+  std::size_t row_bytes = 0;    // size of such a row
+  /// Reads `count` splats from index `first` on into an empty model. Returns a message if the budget is exceeded. The
+  /// range must be in the file. Any thread.
+  std::function<std::optional<std::string>(std::size_t first, std::size_t count, const WorldBudget& budget,
+                                           SplatModel& model)>
+      read;
+};
+/// Opened file, or an error message.
+using OpenedSplatRows = std::variant<SplatRows, std::string>;
+
 /// Imported splats, as discs or as Gaussians, or an error message.
 using ImportedVectors = std::variant<qnv::Splats, qnv::Gaussians, std::string>;
 
@@ -100,6 +118,9 @@ using ImportedVectors = std::variant<qnv::Splats, qnv::Gaussians, std::string>;
 /// returns Gaussians. Returns a message if no splat remains.
 [[nodiscard]] ImportedVectors import_result(const SplatModel& model);
 
+/// Reads all splats of an opened file, and returns import_result() of them.
+[[nodiscard]] ImportedVectors import_rows(const OpenedSplatRows& opened, const WorldBudget& budget);
+
 struct PlyTable;
 
 /// Reads the rows of a 3DGS or 2DGS PLY file into an empty model. Returns a message if it has other properties, or if
@@ -111,6 +132,8 @@ struct PlyTable;
 /// forward. A truncated file gives its complete splats.
 [[nodiscard]] ImportedVectors import_splats_ply(std::span<const std::byte> bytes,
                                                 const WorldBudget& budget = own_budget());
+/// Opens a binary file for import_splats_ply() in ranges. Returns a message for ASCII.
+[[nodiscard]] OpenedSplatRows open_splats_ply_rows(std::span<const std::byte> bytes, const WorldBudget& budget);
 /// Returns true if the header of a PLY file has the properties of 3DGS or 2DGS.
 [[nodiscard]] bool is_splats_ply(std::span<const std::byte> bytes);
 
@@ -118,11 +141,15 @@ struct PlyTable;
 /// right, down, forward.
 [[nodiscard]] ImportedVectors import_splats_antimatter(std::span<const std::byte> bytes,
                                                        const WorldBudget& budget = own_budget());
+/// Opens a file for import_splats_antimatter() in ranges.
+[[nodiscard]] OpenedSplatRows open_antimatter_rows(std::span<const std::byte> bytes, const WorldBudget& budget);
 
 /// Imports PlayCanvas compressed PLY (SuperSplat): chunks of 256 splats, 16 bytes per splat. The axes are right, down,
 /// forward. A truncated file gives its complete splats.
 [[nodiscard]] ImportedVectors import_splats_compressed_ply(std::span<const std::byte> bytes,
                                                            const WorldBudget& budget = own_budget());
+/// Opens a file for import_splats_compressed_ply() in ranges. Charges an ASCII file to `budget` before it is refused.
+[[nodiscard]] OpenedSplatRows open_compressed_ply_rows(std::span<const std::byte> bytes, const WorldBudget& budget);
 /// Returns true if a PLY file has the elements and properties of PlayCanvas compressed PLY.
 [[nodiscard]] bool is_splats_compressed_ply(std::span<const std::byte> bytes);
 

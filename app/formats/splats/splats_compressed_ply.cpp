@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -108,21 +109,45 @@ void unpack(const Chunk& chunk, const std::array<std::uint32_t, 4>& packed, Spla
   model.opacities[i] = unit(color, 0, 8);
 }
 
-/// Reads the spherical harmonics of a model. Returns a message if memory is exhausted.
-std::optional<std::string> read_coefficients(std::span<const std::byte> bytes, const WorldBudget& budget,
-                                             SplatModel& model) {
-  if (model.degree == 0) return std::nullopt;
-  auto opened = open_ply_table(bytes, "sh", budget);
-  if (auto* problem = std::get_if<std::string>(&opened)) return std::move(*problem);
-  const PlyTable& table = std::get<PlyTable>(opened);
+/// Tables of a file. Those of chunks and harmonics may have fewer rows than the splats need.
+struct CompressedTables {
+  PlyTable chunks, splats;
+  std::optional<PlyTable> harmonics;
+  std::array<std::size_t, 4> offsets{};  // of the packed numbers in a row of `splats`
+  int degree = 0;                        // of the harmonics
+};
+
+/// Reads the spherical harmonics of the splats from index `first` on.
+void read_coefficients(const PlyTable& table, std::size_t first, SplatModel& model) {
+  if (first >= table.rows) return;
+  const PlyTable part = part_of(table, first, std::min(model.size(), table.rows - first));
   for_coefficients(model, [&](std::size_t channel, std::size_t number, std::size_t column) {
-    const std::vector<float> values = table.column("f_rest_" + std::to_string(column));
-    for (std::size_t i = 0; i < std::min(values.size(), model.size()); ++i) {
+    const std::vector<float> values = part.column("f_rest_" + std::to_string(column));
+    for (std::size_t i = 0; i < values.size(); ++i) {
       // 0 and 255 are -4 and 4; others lie in the middle of their steps.
       const float u = values[i], share = u <= 0 ? 0 : u >= 255 ? 1 : (u + 0.5f) / 256;
       model.coefficient(i, number)[static_cast<int>(channel)] = (share - 0.5f) * 8;
     }
   });
+}
+
+std::optional<std::string> read_range(const CompressedTables& tables, std::size_t first, std::size_t count,
+                                      const WorldBudget& budget, SplatModel& model) {
+  model.set_degree(tables.degree);
+  if (auto problem = model.draw(budget, count)) return problem;
+  model.format = "PlayCanvas compressed PLY";
+  model.announced = count;
+  model.resize(count);
+  const std::size_t chunk = first / kChunkSplats, end = (first + count + kChunkSplats - 1) / kChunkSplats;
+  const std::vector<Chunk> chunks = read_chunks(part_of(tables.chunks, chunk, end - chunk));
+  const std::size_t stride = tables.splats.element.least_row_bytes();
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::byte* row = tables.splats.data.data() + (first + i) * stride;
+    std::array<std::uint32_t, 4> packed{};
+    for (std::size_t k = 0; k < 4; ++k) packed[k] = load_little<std::uint32_t>(row + tables.offsets[k]);
+    unpack(chunks[(first + i) / kChunkSplats - chunk], packed, model, i);
+  }
+  if (tables.harmonics && tables.degree > 0) read_coefficients(*tables.harmonics, first, model);
   return std::nullopt;
 }
 
@@ -140,38 +165,42 @@ bool is_splats_compressed_ply(std::span<const std::byte> bytes) {
   return chunk && vertex;
 }
 
-ImportedVectors import_splats_compressed_ply(std::span<const std::byte> bytes, const WorldBudget& budget) {
-  auto opened_chunks = open_ply_table(bytes, "chunk", budget);
-  if (auto* problem = std::get_if<std::string>(&opened_chunks)) return std::move(*problem);
-  auto opened = open_ply_table(bytes, "vertex", budget);
-  if (auto* problem = std::get_if<std::string>(&opened)) return std::move(*problem);
-  const PlyTable& table = std::get<PlyTable>(opened);
-  std::array<std::size_t, 4> offsets{};
-  if (!find_packed(table.element, offsets))
+OpenedSplatRows open_compressed_ply_rows(std::span<const std::byte> bytes, const WorldBudget& budget) {
+  const auto tables = std::make_shared<CompressedTables>();
+  const auto open = [&](const char* element, PlyTable& table) -> std::optional<std::string> {
+    auto opened = open_ply_table(bytes, element, budget);
+    if (auto* problem = std::get_if<std::string>(&opened)) return std::move(*problem);
+    table = std::move(std::get<PlyTable>(opened));
+    return std::nullopt;
+  };
+  if (auto problem = open("chunk", tables->chunks)) return std::move(*problem);
+  if (auto problem = open("vertex", tables->splats)) return std::move(*problem);
+  const PlyTable& splats = tables->splats;
+  if (!find_packed(splats.element, tables->offsets))
     return "not compressed splats: expected packed_position, packed_rotation, packed_scale and packed_color as uint";
-  if (table.header.format != PlyFormat::little_endian) return "compressed splats: expected binary_little_endian";
-  const PlyTable& chunk_table = std::get<PlyTable>(opened_chunks);
-  if (!chunk_table.has("min_x") || !chunk_table.has("max_scale_z"))
+  if (splats.header.format != PlyFormat::little_endian) return "compressed splats: expected binary_little_endian";
+  if (!tables->chunks.has("min_x") || !tables->chunks.has("max_scale_z"))
     return "compressed splats: expected min_x to max_scale_z in element chunk";
-
-  const std::vector<Chunk> chunks = read_chunks(chunk_table);
-  const std::size_t count = std::min(table.rows, chunks.size() * kChunkSplats);
-  SplatModel model;
-  for (const PlyElement& element : table.header.elements)
-    if (element.name == "sh") model.set_degree(harmonics_degree(element));
-  if (auto problem = model.draw(budget, count)) return std::move(*problem);
-  model.format = "PlayCanvas compressed PLY";
-  model.announced = static_cast<std::size_t>(std::min<std::uint64_t>(table.element.count, SIZE_MAX));
-  model.resize(count);
-  const std::size_t stride = table.element.least_row_bytes();
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::byte* row = table.data.data() + i * stride;
-    std::array<std::uint32_t, 4> packed{};
-    for (std::size_t k = 0; k < 4; ++k) packed[k] = load_little<std::uint32_t>(row + offsets[k]);
-    unpack(chunks[i / kChunkSplats], packed, model, i);
+  SplatRows rows;
+  rows.count = splats.rows / kChunkSplats < tables->chunks.rows ? splats.rows : tables->chunks.rows * kChunkSplats;
+  rows.announced = splats.element.count;
+  const PlyTable* last = &splats;
+  for (const PlyElement& element : splats.header.elements)
+    if (element.name == "sh") tables->degree = harmonics_degree(element);
+  if (tables->degree > 0) {
+    if (auto problem = open("sh", tables->harmonics.emplace())) return std::move(*problem);
+    if (tables->harmonics->data.data() > last->data.data()) last = &*tables->harmonics;
   }
-  if (auto problem = read_coefficients(bytes, budget, model)) return std::move(*problem);
-  return import_result(model);
+  rows.start = last->data.empty() ? 0 : static_cast<std::size_t>(last->data.data() - bytes.data());
+  rows.row_bytes = last->element.least_row_bytes();
+  rows.read = [tables](std::size_t first, std::size_t count, const WorldBudget& own, SplatModel& model) {
+    return read_range(*tables, first, count, own, model);
+  };
+  return rows;
+}
+
+ImportedVectors import_splats_compressed_ply(std::span<const std::byte> bytes, const WorldBudget& budget) {
+  return import_rows(open_compressed_ply_rows(bytes, budget), budget);
 }
 
 }  // namespace gs::app

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 namespace gs::app {
 namespace {
@@ -68,6 +69,23 @@ std::optional<std::string> read_splats(const PlyTable& table, SplatModel& model,
   model.antialiased = table.header.antialiased;
   for_column(table, "opacity", [&](std::size_t i, float v) { model.opacities[i] = sigmoid(v); });
   return std::nullopt;
+}
+
+OpenedSplatRows open_splats_ply_rows(std::span<const std::byte> bytes, const WorldBudget& budget) {
+  const auto header = ply_header_of(bytes);
+  if (header && header->format == PlyFormat::ascii) return "splats PLY: expected a binary format";
+  auto opened = open_ply_table(bytes, "vertex", budget);
+  if (auto* problem = std::get_if<std::string>(&opened)) return std::move(*problem);
+  const auto table = std::make_shared<const PlyTable>(std::move(std::get<PlyTable>(opened)));
+  SplatRows rows;
+  rows.count = table->rows;
+  rows.announced = table->element.count;
+  rows.start = static_cast<std::size_t>(table->data.data() - bytes.data());
+  rows.row_bytes = table->element.least_row_bytes();
+  rows.read = [table](std::size_t first, std::size_t count, const WorldBudget& own, SplatModel& model) {
+    return read_splats(part_of(*table, first, count), model, own);
+  };
+  return rows;
 }
 
 ImportedVectors import_splats_ply(std::span<const std::byte> bytes, const WorldBudget& budget) {

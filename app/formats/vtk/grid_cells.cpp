@@ -1,5 +1,7 @@
 #include "app/formats/vtk/grid_cells.h"
 
+#include "app/formats/vtk/cell_shapes.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,100 +12,6 @@
 
 namespace gs::app {
 namespace {
-
-constexpr std::int8_t kNoGridCorner = -1;
-using GridFaceCorners = std::array<std::int8_t, 4>;
-
-// Faces of a cell as corner indices in VTK's order, counterclockwise from outside.
-constexpr GridFaceCorners kGridTetrahedron[] = {
-    {0, 1, 3, kNoGridCorner}, {1, 2, 3, kNoGridCorner}, {2, 0, 3, kNoGridCorner}, {0, 2, 1, kNoGridCorner}};
-constexpr GridFaceCorners kGridHexahedron[] = {{0, 4, 7, 3}, {1, 2, 6, 5}, {0, 1, 5, 4},
-                                               {3, 7, 6, 2}, {0, 3, 2, 1}, {4, 5, 6, 7}};
-constexpr GridFaceCorners kGridVoxel[] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
-                                          {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
-constexpr GridFaceCorners kGridWedge[] = {
-    {0, 1, 2, kNoGridCorner}, {3, 5, 4, kNoGridCorner}, {0, 3, 4, 1}, {1, 4, 5, 2}, {2, 5, 3, 0}};
-constexpr GridFaceCorners kGridPyramid[] = {{0, 3, 2, 1},
-                                            {0, 1, 4, kNoGridCorner},
-                                            {1, 2, 4, kNoGridCorner},
-                                            {2, 3, 4, kNoGridCorner},
-                                            {3, 0, 4, kNoGridCorner}};
-
-/// Way in which a cell type is shown.
-struct GridShape {
-  enum class As : std::uint8_t { nothing, vertices, line, polygon, pixel, strip, solid, polyhedron } as = As::nothing;
-  std::size_t corners = 0;  // min number of corners of a cell
-  bool any_number = false;  // true uses all corners of the cell, false only the first `corners`
-  std::span<const GridFaceCorners> faces = {};
-};
-
-// Returns the shape for a type number of vtkCellType.h. Nodes on edges and inside the cell come after the corners.
-GridShape grid_shape(std::uint8_t type) {
-  using As = GridShape::As;
-  switch (type) {
-    case 1:  // vertex, polyvertex
-    case 2:
-      return {As::vertices, 1, true};
-    case 3:  // line, polyline
-    case 4:
-      return {As::line, 2, true};
-    case 21:  // quadratic, cubic, Lagrange, Bezier; other shapes below follow this order
-    case 35:
-    case 68:
-    case 75:
-      return {As::line, 2};
-    case 5:
-    case 22:
-    case 34:
-    case 69:
-    case 76:
-      return {As::polygon, 3};
-    case 6:
-      return {As::strip, 3, true};
-    case 7:
-      return {As::polygon, 3, true};
-    case 8:
-      return {As::pixel, 4};
-    case 9:
-    case 23:
-    case 28:
-    case 30:
-    case 70:
-    case 77:
-      return {As::polygon, 4};
-    case 10:
-    case 24:
-    case 71:
-    case 78:
-      return {As::solid, 4, false, kGridTetrahedron};
-    case 11:
-      return {As::solid, 8, false, kGridVoxel};
-    case 12:
-    case 25:
-    case 29:
-    case 33:
-    case 72:
-    case 79:
-      return {As::solid, 8, false, kGridHexahedron};
-    case 13:
-    case 26:
-    case 31:
-    case 32:
-    case 73:
-    case 80:
-      return {As::solid, 6, false, kGridWedge};
-    case 14:
-    case 27:
-    case 37:
-    case 74:
-    case 81:
-      return {As::solid, 5, false, kGridPyramid};
-    case kGridPolyhedron:
-      return {As::polyhedron, 1, true};
-    default:
-      return {};
-  }
-}
 
 /// Key of a face, independent of the order of its corners. Consists of the number of corners, the four smallest
 /// corners, and the sum of all corners. Different faces have equal keys only if cells overlap.

@@ -11,23 +11,33 @@
 namespace gs::app::insitu {
 
 /// Appends the records of all ranks to those of rank 0, in messages of about 1 MiB. If all records together
-/// exceed `most_bytes`, removes them on all ranks instead, and sets `fits` to false. Collective. Returns false if the
-/// communication failed.
+/// exceed `most_bytes`, or a rank lacks memory, removes them on all ranks instead, and sets `fits` to false. `whole` is
+/// false if this rank could not make its records. Collective. Returns false if the communication failed.
 template <class Record>
-[[nodiscard]] bool gather_records(Ranks& ranks, std::vector<Record>& records, std::uint64_t most_bytes, bool& fits) {
+[[nodiscard]] bool gather_records(Ranks& ranks, std::vector<Record>& records, std::uint64_t most_bytes, bool whole,
+                                  bool& fits) {
   static_assert(std::is_trivially_copyable_v<Record>);
   constexpr std::size_t kPiece = (std::size_t{1} << 20) / sizeof(Record);
-  const std::uint64_t own = records.size();
-  std::vector<std::uint64_t> counts(ranks.is_first() ? static_cast<std::size_t>(ranks.count()) : 0);
-  if (!ranks.gather(&own, sizeof own, counts.data())) return false;
-  std::uint64_t left = most_bytes / sizeof(Record);
-  std::uint32_t enough = 1;
-  for (const std::uint64_t count : counts) {
-    if (count > left) enough = 0;
-    left -= std::min(count, left);
+  std::vector<std::uint64_t> counts;
+  const bool ready = ranks.attempt("counts", [&] {
+    if (ranks.is_first()) counts.resize(static_cast<std::size_t>(ranks.count()));
+  });
+  if (!ranks.agree(ready && whole, fits)) return false;
+  if (fits) {
+    const std::uint64_t own = records.size();
+    if (!ranks.gather(&own, sizeof own, counts.data())) return false;
+    std::uint64_t left = most_bytes / sizeof(Record), all = 0;
+    bool enough = true;
+    for (const std::uint64_t count : counts) {
+      if (count > left) enough = false;
+      left -= std::min(count, left);
+      all += enough ? count : 0;
+    }
+    const bool reserved = enough && ranks.attempt("records", [&] {
+      if (ranks.is_first()) records.reserve(static_cast<std::size_t>(all));
+    });
+    if (!ranks.agree(reserved, fits)) return false;
   }
-  if (!ranks.broadcast(enough)) return false;
-  fits = enough != 0;
   if (!fits) {
     records = {};
     return true;

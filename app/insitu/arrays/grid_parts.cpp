@@ -28,10 +28,11 @@ std::uint32_t slices_of_message(const GridBox& box, std::size_t value_bytes) {
   return static_cast<std::uint32_t>(std::clamp<std::size_t>(kMessageBytes / slice, 1, box.size[2]));
 }
 
-bool send_parts(Ranks& ranks, const std::vector<GridPart>& parts, std::uint32_t components, std::size_t value_bytes) {
+// Sends the parts. `message` has the capacity of a message.
+bool send_parts(Ranks& ranks, const std::vector<GridPart>& parts, std::uint32_t components, std::size_t value_bytes,
+                std::vector<std::byte>& message) {
   const std::uint64_t count = parts.size();
   if (!ranks.send(&count, sizeof count)) return false;
-  std::vector<std::byte> message;
   for (const GridPart& part : parts) {
     if (!ranks.send(&part.box, sizeof part.box)) return false;
     const GridBox& box = part.box;
@@ -61,10 +62,11 @@ void place_slab(const GridBox& box, std::uint32_t z, std::uint32_t slices, const
     }
 }
 
-bool receive_parts(Ranks& ranks, int from, std::size_t value_bytes, GridValues& values) {
+// Receives the parts of a rank. `message` has the capacity of a message.
+bool receive_parts(Ranks& ranks, int from, std::size_t value_bytes, GridValues& values,
+                   std::vector<std::byte>& message) {
   std::uint64_t count = 0;
   if (!ranks.receive(&count, sizeof count, from)) return false;
-  std::vector<std::byte> message;
   for (std::uint64_t i = 0; i < count; ++i) {
     GridBox box;
     if (!ranks.receive(&box, sizeof box, from)) return false;
@@ -185,26 +187,35 @@ void GridValues::read(std::uint32_t c, std::uint32_t z, std::span<std::byte> sli
 }
 
 bool gather_grid(Ranks& ranks, std::span<const BlockView> blocks, const StepPlan& plan, const FieldFacts& field,
-                 bool copy, GridValues& values) {
-  const std::vector<GridPart> parts = grid_parts(blocks, field, plan.thinning);
+                 bool copy, GridValues& values, bool& complete) {
   const std::size_t value_bytes = qnv::size_of(stored_type(field.type));
-  if (!ranks.is_first()) return send_parts(ranks, parts, field.components, value_bytes);
-  values.field = field;
-  values.grid = plan.grid;
-  values.thinning = plan.thinning;
-  values.size = grid_size(plan.grid, field.of_cells != 0, plan.thinning);
-  values.type = stored_type(field.type);
-  values.parts = parts;
-  if (ranks.count() == 1 && !copy) return true;
-  const std::size_t slice = std::size_t{values.size[0]} * values.size[1] * value_bytes;
-  std::vector<std::byte> bytes(slice * values.size[2] * field.components);
-  for (std::uint32_t c = 0; c < field.components; ++c)
-    for (std::uint32_t z = 0; z < values.size[2]; ++z)
-      values.read(c, z, std::span(bytes).subspan((std::size_t{c} * values.size[2] + z) * slice, slice));
-  values.bytes = std::move(bytes);
-  values.parts.clear();
+  std::vector<GridPart> parts;
+  std::vector<std::byte> message;
+  // All memory is allocated before the first message.
+  const bool ready = ranks.attempt("grid", [&] {
+    parts = grid_parts(blocks, field, plan.thinning);
+    values.size = grid_size(plan.grid, field.of_cells != 0, plan.thinning);
+    const std::size_t slice = std::size_t{values.size[0]} * values.size[1] * value_bytes;
+    if (ranks.count() > 1) message.reserve(std::max(kMessageBytes, slice));
+    if (!ranks.is_first()) return;
+    values.field = field;
+    values.grid = plan.grid;
+    values.thinning = plan.thinning;
+    values.type = stored_type(field.type);
+    values.parts = parts;
+    if (ranks.count() == 1 && !copy) return;
+    std::vector<std::byte> bytes(slice * values.size[2] * field.components);
+    for (std::uint32_t c = 0; c < field.components; ++c)
+      for (std::uint32_t z = 0; z < values.size[2]; ++z)
+        values.read(c, z, std::span(bytes).subspan((std::size_t{c} * values.size[2] + z) * slice, slice));
+    values.bytes = std::move(bytes);
+    values.parts.clear();
+  });
+  if (!ranks.agree(ready, complete)) return false;
+  if (!complete) return true;
+  if (!ranks.is_first()) return send_parts(ranks, parts, field.components, value_bytes, message);
   for (int from = 1; from < ranks.count(); ++from)
-    if (!receive_parts(ranks, from, value_bytes, values)) return false;
+    if (!receive_parts(ranks, from, value_bytes, values, message)) return false;
   return true;
 }
 

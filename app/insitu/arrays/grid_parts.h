@@ -59,8 +59,9 @@ struct GridValues {
 };
 
 /// Collects a field of a grid on rank 0. Collective. Without `copy` and with one rank, the result refers to the arrays.
-/// Other ranks get an empty result. Returns false if the communication failed.
+/// Other ranks get an empty result. If a rank lacks memory, sets `complete` to false on all ranks. Returns false if the
+/// communication failed.
 [[nodiscard]] bool gather_grid(Ranks& ranks, std::span<const BlockView> blocks, const StepPlan& plan,
-                               const FieldFacts& field, bool copy, GridValues& values);
+                               const FieldFacts& field, bool copy, GridValues& values, bool& complete);
 
 }  // namespace gs::app::insitu

@@ -138,15 +138,18 @@ std::uint64_t KeptField::bytes() const {
   return all;
 }
 
-void KeptField::read(const Chunk& chunk, std::vector<float>& values) const {
+void KeptField::read(const Chunk& chunk, std::uint32_t first, std::span<float> values) const {
   const GridIndex shape = pyramid_.chunk_shape(chunk.level);
-  values.assign(pyramid_.chunk_points(chunk.level), missing_value());
+  const std::size_t layer = std::size_t{shape[0]} * shape[1];
+  const auto end = static_cast<std::uint32_t>(first + values.size() / layer);
+  std::ranges::fill(values, missing_value());
   each_piece(chunk, [&](const Part& part, const Piece& piece) {
-    for (std::uint32_t z = 0; z < piece.size[2]; ++z)
+    const std::uint32_t low = piece.first[2];
+    for (std::uint32_t z = first > low ? first - low : 0; z < piece.size[2] && low + z < end; ++z)
       for (std::uint32_t y = 0; y < piece.size[1]; ++y) {
         const std::size_t at = piece.row_in(part.box.size, y, z);
         float* const row =
-            &values[(std::size_t{piece.first[2] + z} * shape[1] + piece.first[1] + y) * shape[0] + piece.first[0]];
+            &values[(std::size_t{low + z - first} * shape[1] + piece.first[1] + y) * shape[0] + piece.first[0]];
         if (exact_)
           for (std::uint32_t x = 0; x < piece.size[0]; ++x) row[x] = part.values[at + std::size_t{x} * piece.step];
         else
@@ -174,38 +177,71 @@ void KeptField::pack(const Chunk& chunk, std::uint32_t number, std::vector<std::
   });
 }
 
+namespace {
+
+// Places the pieces of a message of another rank. Returns false if the message is malformed.
+bool place_pieces(std::span<const std::byte> message, std::span<const KeptField* const> kept,
+                  std::span<const Chunk> chunks, std::vector<std::vector<float>>& made) {
+  for (std::size_t at = 0; at < message.size();) {
+    PieceHeader piece;
+    if (message.size() - at < sizeof piece) return false;
+    std::memcpy(&piece, &message[at], sizeof piece);
+    at += sizeof piece;
+    if (piece.number >= chunks.size() || made[piece.number].empty()) return false;
+    const GridIndex shape = kept[piece.number]->pyramid().chunk_shape(chunks[piece.number].level);
+    const std::size_t value_bytes = piece.exact != 0 ? sizeof(float) : sizeof(std::int16_t);
+    if (!is_inside(piece, shape) || (message.size() - at) / value_bytes < points_in(piece.size)) return false;
+    place_piece(piece, &message[at], shape, made[piece.number]);
+    at += points_in(piece.size) * value_bytes;
+  }
+  return true;
+}
+
+}  // namespace
+
 bool gather_chunks(Ranks& ranks, std::span<const KeptField* const> kept, std::span<const Chunk> chunks,
                    const std::function<void(std::size_t number, std::vector<float> values)>& deliver) {
   std::vector<std::byte> message;
-  if (!ranks.is_first())
-    for (std::size_t i = 0; i < chunks.size(); ++i)
-      if (kept[i]) kept[i]->pack(chunks[i], static_cast<std::uint32_t>(i), message);
-  const std::uint64_t own_bytes = message.size();
-  std::vector<std::uint64_t> sizes(ranks.is_first() ? static_cast<std::size_t>(ranks.count()) : 0);
-  if (!ranks.gather(&own_bytes, sizeof own_bytes, sizes.data())) return false;
-  if (!ranks.is_first()) return message.empty() || ranks.send(message.data(), message.size());
-  std::vector<std::vector<float>> made(chunks.size());
-  for (std::size_t i = 0; i < chunks.size(); ++i)
-    if (kept[i]) kept[i]->read(chunks[i], made[i]);
-  for (int from = 1; from < ranks.count(); ++from) {
+  std::vector<std::uint64_t> sizes;
+  std::vector<std::vector<float>> made;
+  bool ready = ranks.attempt("chunks", [&] {
+    if (ranks.is_first()) {
+      sizes.resize(static_cast<std::size_t>(ranks.count()));
+      made.resize(chunks.size());
+    }
+    for (std::size_t i = 0; i < chunks.size(); ++i) {
+      if (!kept[i]) continue;
+      if (ranks.is_first()) {
+        made[i].resize(kept[i]->pyramid().chunk_points(chunks[i].level));
+        kept[i]->read(chunks[i], 0, made[i]);
+      } else {
+        kept[i]->pack(chunks[i], static_cast<std::uint32_t>(i), message);
+      }
+    }
+  });
+  bool all = false;
+  if (!ranks.agree(ready, all)) return false;
+  if (all) {
+    const std::uint64_t own_bytes = message.size();
+    if (!ranks.gather(&own_bytes, sizeof own_bytes, sizes.data())) return false;
+    ready = ranks.attempt("message", [&] {
+      if (ranks.is_first()) message.reserve(*std::ranges::max_element(sizes));
+    });
+    if (!ranks.agree(ready, all)) return false;
+  }
+  if (all && !ranks.is_first()) return message.empty() || ranks.send(message.data(), message.size());
+  for (int from = 1; all && from < ranks.count(); ++from) {
     message.resize(sizes[static_cast<std::size_t>(from)]);
     if (message.empty()) continue;
-    if (!ranks.receive(message.data(), message.size(), from)) return false;
-    for (std::size_t at = 0; at < message.size();) {
-      PieceHeader piece;
-      if (message.size() - at < sizeof piece) return false;
-      std::memcpy(&piece, &message[at], sizeof piece);
-      at += sizeof piece;
-      if (piece.number >= chunks.size() || made[piece.number].empty()) return false;
-      const GridIndex shape = kept[piece.number]->pyramid().chunk_shape(chunks[piece.number].level);
-      const std::size_t value_bytes = piece.exact != 0 ? sizeof(float) : sizeof(std::int16_t);
-      if (!is_inside(piece, shape) || (message.size() - at) / value_bytes < points_in(piece.size)) return false;
-      place_piece(piece, &message[at], shape, made[piece.number]);
-      at += points_in(piece.size) * value_bytes;
-    }
+    if (!ranks.receive(message.data(), message.size(), from) || !place_pieces(message, kept, chunks, made))
+      return false;
   }
-  for (std::size_t i = 0; i < chunks.size(); ++i)
-    if (!made[i].empty()) deliver(i, std::move(made[i]));
+  if (!ranks.is_first()) return true;
+  // Without memory for the delivery, viewers wait and request the chunks again.
+  (void)ranks.attempt("deliver", [&] {
+    for (std::size_t i = 0; i < chunks.size(); ++i)
+      if (kept[i]) deliver(i, all ? std::move(made[i]) : std::vector<float>());
+  });
   return true;
 }
 

@@ -41,8 +41,9 @@ class KeptField {
   [[nodiscard]] const Pyramid& pyramid() const { return pyramid_; }
   [[nodiscard]] std::uint64_t serial() const { return serial_; }
 
-  /// Stores the values of a chunk in `values`; x varies fastest. Values of other ranks become NaN.
-  void read(const Chunk& chunk, std::vector<float>& values) const;
+  /// Stores the values of layers of a chunk in `values`, from the layer `first` on; x varies fastest. Values of other
+  /// ranks become NaN.
+  void read(const Chunk& chunk, std::uint32_t first, std::span<float> values) const;
   /// Appends this rank's values of a chunk to a message.
   void pack(const Chunk& chunk, std::uint32_t number, std::vector<std::byte>& message) const;
 
@@ -66,7 +67,8 @@ class KeptField {
 };
 
 /// Collects chunks of the kept fields of all ranks on rank 0. Collective; all ranks pass equal lists. Entry i of
-/// `kept` belongs to chunk i, or is null. Returns false if the communication failed.
+/// `kept` belongs to chunk i, or is null. If a rank lacks memory, delivers chunks without values. Returns false if the
+/// communication failed.
 [[nodiscard]] bool gather_chunks(Ranks& ranks, std::span<const KeptField* const> kept, std::span<const Chunk> chunks,
                                  const std::function<void(std::size_t number, std::vector<float> values)>& deliver);
 

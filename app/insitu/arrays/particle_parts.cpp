@@ -88,29 +88,34 @@ bool gather_particles(Ranks& ranks, std::span<const ParticlesView> parts, const 
   values.origin = plan.origin;
   values.radius = plan.radius;
   values.stride = plan.particle_stride;
-  std::uint64_t number = 0;  // of the finite particles of this rank
-  for (const ParticlesView& part : parts) {
-    const FieldView* const field = find_field(part.fields, plan.particle_field);
-    for (std::size_t i = 0; i < part.particles.count; ++i) {
-      const auto at = particle_at(part.particles, i);
-      if (!is_finite_point(at) || number++ % plan.particle_stride != 0) continue;
-      ParticlePoint point;
-      for (std::size_t a = 0; a < 3; ++a) point.position[a] = static_cast<float>(at[a] - plan.origin[a]);
-      double sum = 0, one = std::numeric_limits<double>::quiet_NaN();
-      for (std::uint32_t c = 0; field && c < field->components; ++c) {
-        copy_doubles(field->type, field->at(static_cast<std::int64_t>(i), 0, 0, c), 0, 1, &one);
-        sum += one * one;
+  const bool whole = ranks.attempt("particles", [&] {
+    std::uint64_t number = 0;  // of the finite particles of this rank
+    for (const ParticlesView& part : parts) {
+      const FieldView* const field = find_field(part.fields, plan.particle_field);
+      for (std::size_t i = 0; i < part.particles.count; ++i) {
+        const auto at = particle_at(part.particles, i);
+        if (!is_finite_point(at) || number++ % plan.particle_stride != 0) continue;
+        ParticlePoint point;
+        for (std::size_t a = 0; a < 3; ++a) point.position[a] = static_cast<float>(at[a] - plan.origin[a]);
+        double sum = 0, one = std::numeric_limits<double>::quiet_NaN();
+        for (std::uint32_t c = 0; field && c < field->components; ++c) {
+          copy_doubles(field->type, field->at(static_cast<std::int64_t>(i), 0, 0, c), 0, 1, &one);
+          sum += one * one;
+        }
+        point.value = static_cast<float>(field && field->components > 1 ? std::sqrt(sum) : one);
+        values.points.push_back(point);
       }
-      point.value = static_cast<float>(field && field->components > 1 ? std::sqrt(sum) : one);
-      values.points.push_back(point);
     }
-  }
+  });
   bool fits = true;
-  return gather_records(ranks, values.points, plan.max_memory, fits);
+  if (!gather_records(ranks, values.points, plan.max_memory, whole, fits)) return false;
+  values.too_large = !fits;
+  return true;
 }
 
 std::optional<std::string> encode_particles(const ParticleValues& particles, qnv::EncodeOptions options,
                                             std::vector<std::byte>& bytes) {
+  if (particles.too_large) return "there is not enough memory for the particles; set a smaller max_memory";
   if (particles.points.empty()) return "there are no particles";
   ValueColors colors;
   colors.title = particles.field.name.data();

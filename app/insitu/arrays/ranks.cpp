@@ -1,6 +1,9 @@
 #include "app/insitu/arrays/ranks.h"
 
+#include "app/insitu/bricks/thread_time.h"
+
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 
 namespace gs::app::insitu {
@@ -15,10 +18,18 @@ Ranks::Ranks(const gs_insitu_communicator* table) {
   std::memcpy(&table_, table, std::min(table->size, sizeof table_));
   rank_ = table_.rank;
   count_ = table_.ranks;
+  if (is_first()) agreed_.resize(static_cast<std::size_t>(count_));
 }
 
-bool Ranks::note(int result) {
-  failed_ = failed_ || result != 0;
+// Calls a function of the caller, and measures how long it blocks.
+template <class Call>
+bool Ranks::run(const Call& call) {
+  using Clock = std::chrono::steady_clock;
+  const double processor = thread_seconds();
+  const Clock::time_point begun = Clock::now();
+  failed_ = call() != 0 || failed_;
+  const double passed = std::chrono::duration<double>(Clock::now() - begun).count();
+  blocked_ += std::max(passed - (thread_seconds() - processor), 0.0);
   return !failed_;
 }
 
@@ -26,7 +37,7 @@ bool Ranks::broadcast(void* data, std::size_t bytes) {
   if (failed_) return false;
   if (count_ == 1) return true;
   if (is_first()) sent_ += bytes;
-  return note(table_.broadcast(table_.context, data, bytes, 0));
+  return run([&] { return table_.broadcast(table_.context, data, bytes, 0); });
 }
 
 bool Ranks::gather(const void* data, std::size_t bytes, void* all) {
@@ -36,18 +47,29 @@ bool Ranks::gather(const void* data, std::size_t bytes, void* all) {
     return true;
   }
   if (!is_first()) sent_ += bytes;
-  return note(table_.gather(table_.context, data, bytes, all, 0));
+  return run([&] { return table_.gather(table_.context, data, bytes, all, 0); });
 }
 
 bool Ranks::send(const void* data, std::size_t bytes) {
   if (failed_) return false;
   sent_ += bytes;
-  return note(table_.send(table_.context, data, bytes, 0, kInsituTag));
+  return run([&] { return table_.send(table_.context, data, bytes, 0, kInsituTag); });
 }
 
 bool Ranks::receive(void* data, std::size_t bytes, int from) {
   if (failed_) return false;
-  return note(table_.receive(table_.context, data, bytes, from, kInsituTag));
+  return run([&] { return table_.receive(table_.context, data, bytes, from, kInsituTag); });
+}
+
+bool Ranks::agree(bool own, bool& all) {
+  all = own;
+  if (count_ == 1) return !failed_;
+  std::uint32_t flag = own ? 1 : 0;
+  if (!gather(&flag, sizeof flag, agreed_.data())) return false;
+  if (is_first()) flag = std::ranges::count(agreed_, 1U) == count_ ? 1 : 0;
+  if (!broadcast(flag)) return false;
+  all = flag != 0;
+  return true;
 }
 
 const char* check_communicator(const gs_insitu_communicator& table) {

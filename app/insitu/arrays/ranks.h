@@ -4,7 +4,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <exception>
+#include <functional>
 #include <type_traits>
+#include <utility>
+#include <vector>
 
 namespace gs::app::insitu {
 
@@ -22,6 +26,9 @@ class Ranks {
   /// Returns the number of bytes that this rank sent.
   [[nodiscard]] std::uint64_t sent() const { return sent_; }
 
+  /// Returns the seconds in which functions of the caller blocked without using the processor.
+  [[nodiscard]] double blocked() const { return blocked_; }
+
   /// Copies the bytes of rank 0 to all ranks.
   bool broadcast(void* data, std::size_t bytes);
   template <class T>
@@ -35,13 +42,34 @@ class Ranks {
   bool send(const void* data, std::size_t bytes);
   /// Receives bytes on rank 0.
   bool receive(void* data, std::size_t bytes, int from);
+  /// Sets `all` to true if `own` is true on all ranks. Collective.
+  bool agree(bool own, bool& all);
+
+  /// Does local work between collective functions. Returns false if it threw an exception, so that the other ranks do
+  /// not wait for this one. `part` names the work for set_fault().
+  template <class Work>
+  [[nodiscard]] bool attempt(const char* part, const Work& work) noexcept {
+    try {
+      if (fault_) fault_(part);
+      work();
+      return true;
+    } catch (const std::exception&) {
+      return false;
+    }
+  }
+  /// Sets a function that may throw instead of the work of attempt(), for tests.
+  void set_fault(std::function<void(const char* part)> fault) { fault_ = std::move(fault); }
 
  private:
-  bool note(int result);
+  template <class Call>
+  bool run(const Call& call);
 
   gs_insitu_communicator table_{};
   int rank_ = 0, count_ = 1;
   bool failed_ = false;
+  double blocked_ = 0;
+  std::vector<std::uint32_t> agreed_;  // of each rank, on rank 0
+  std::function<void(const char* part)> fault_;
   std::uint64_t sent_ = 0;
 };
 

@@ -9,6 +9,7 @@
 #include <functional>
 #include <initializer_list>
 #include <limits>
+#include <new>
 #include <unordered_map>
 
 namespace gs::app::insitu {
@@ -125,12 +126,19 @@ std::array<double, 3> point_at(const gs_insitu_cells& cells, std::int64_t i) {
   return point;
 }
 
+// Approximate memory of a face in a hash table.
+constexpr std::size_t kOpenFaceBytes = 150;
+
 // Collector of the outer faces of cells, as triangles. Reads cells one after the other.
 class SkinBuilder {
  public:
   SkinBuilder(const CellsView& view, const FieldFacts& facts, const std::array<double, 3>& origin,
-              std::vector<SurfaceTriangle>& out)
-      : cells_(view.cells), field_(find_field(view.fields, facts)), origin_(origin), out_(out) {}
+              std::vector<SurfaceTriangle>& out, std::uint64_t most_bytes)
+      : cells_(view.cells),
+        field_(find_field(view.fields, facts)),
+        origin_(origin),
+        out_(out),
+        most_bytes_(most_bytes) {}
 
   // Returns the number of cells that were left out.
   std::uint64_t run() {
@@ -143,6 +151,7 @@ class SkinBuilder {
         break;
       }
       if (!add_cell(c, begin, end)) ++left_out;
+      if (open_.size() * kOpenFaceBytes + out_.size() * sizeof(SurfaceTriangle) > most_bytes_) throw std::bad_alloc();
       begin = end;
     }
     for (const auto& [key, face] : open_)
@@ -213,6 +222,7 @@ class SkinBuilder {
   const FieldView* field_;
   const std::array<double, 3>& origin_;
   std::vector<SurfaceTriangle>& out_;
+  std::uint64_t most_bytes_;
   std::vector<std::int64_t> points_;
   std::unordered_map<FaceKey, OpenFace, FaceKeyHash> open_;
 };
@@ -276,9 +286,10 @@ void add_bounds(const CellsView& view, PartFacts& facts) {
 }
 
 std::vector<SurfaceTriangle> outer_triangles(std::span<const CellsView> parts, const FieldFacts& field,
-                                             const std::array<double, 3>& origin, std::uint64_t& left_out) {
+                                             const std::array<double, 3>& origin, std::uint64_t& left_out,
+                                             std::uint64_t most_bytes) {
   std::vector<SurfaceTriangle> triangles;
-  for (const CellsView& part : parts) left_out += SkinBuilder(part, field, origin, triangles).run();
+  for (const CellsView& part : parts) left_out += SkinBuilder(part, field, origin, triangles, most_bytes).run();
   std::erase_if(triangles, [](const SurfaceTriangle& one) {
     return !std::ranges::all_of(one.positions, [](const std::array<float, 3>& at) {
       return std::ranges::all_of(at, [](float part) { return std::isfinite(part); });
@@ -291,11 +302,15 @@ bool gather_surface(Ranks& ranks, std::span<const CellsView> parts, const StepPl
                     std::uint64_t& left_out) {
   values.field = plan.cell_field;
   values.origin = plan.origin;
-  values.triangles = outer_triangles(parts, plan.cell_field, plan.origin, left_out);
+  const bool whole = ranks.attempt("cells", [&] {
+    values.triangles = outer_triangles(parts, plan.cell_field, plan.origin, left_out, plan.max_memory);
+  });
   bool fits = true;
-  if (!gather_records(ranks, values.triangles, plan.max_memory, fits)) return false;
-  values.too_large = !fits;
-  if (ranks.is_first() && (ranks.count() > 1 || parts.size() > 1)) remove_shared(values.triangles);
+  if (!gather_records(ranks, values.triangles, plan.max_memory, whole, fits)) return false;
+  const bool joined = ranks.attempt("surface", [&] {
+    if (ranks.is_first() && (ranks.count() > 1 || parts.size() > 1)) remove_shared(values.triangles);
+  });
+  values.too_large = !fits || !joined;
   return true;
 }
 

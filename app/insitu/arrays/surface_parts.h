@@ -43,10 +43,11 @@ struct SurfaceValues {
 void add_bounds(const CellsView& view, PartFacts& facts);
 
 /// Returns the triangles of faces that belong to only one cell. Leaves out cells of other ranks, of unknown types, or
-/// with invalid indices; `left_out` counts the last two. Memory: about 150 bytes per open face.
+/// with invalid indices; `left_out` counts the last two. Memory: about 150 bytes per open face. If faces and triangles
+/// exceed `most_bytes`, throws std::bad_alloc.
 [[nodiscard]] std::vector<SurfaceTriangle> outer_triangles(std::span<const CellsView> parts, const FieldFacts& field,
-                                                           const std::array<double, 3>& origin,
-                                                           std::uint64_t& left_out);
+                                                           const std::array<double, 3>& origin, std::uint64_t& left_out,
+                                                           std::uint64_t most_bytes = UINT64_MAX);
 
 /// Collects the surface on rank 0. Removes faces that cells of two ranks share. Collective. Returns false if the
 /// communication failed.

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kMaxWanted = 256;
 constexpr std::chrono::milliseconds kPauseOfViewers{500};
-constexpr std::chrono::seconds kMaxRefinement{5};
+constexpr std::chrono::seconds kMaxRefinement{2};
 
 net::HeldContent held_json(std::string text) {
   return {net::HeldContent::State::ready, "application/json", std::move(text)};
@@ -38,7 +38,8 @@ BrickShelf::Slot BrickShelf::take_oldest() {
   Slot oldest = std::move(slots_.front());
   slots_.pop_front();
   for (const auto& [chunk, bytes] : oldest.encoded) encoded_bytes_ -= bytes.size();
-  std::erase_if(order_, [&](const WantedChunk& one) { return one.serial == oldest.grid.serial; });
+  for (auto* const list : {&order_, &received_})
+    std::erase_if(*list, [&](const WantedChunk& one) { return one.serial == oldest.grid.serial; });
   return oldest;
 }
 
@@ -53,7 +54,8 @@ net::HeldContent BrickShelf::content(const std::string& path) {
   if (!name) return {};
   std::unique_lock lock(mutex_);
   const auto slot = std::ranges::find(slots_, name->container, [](const Slot& one) { return one.grid.container; });
-  if (slot == slots_.end()) return {};
+  if (slot == slots_.end())
+    return {slots_.empty() ? net::HeldContent::State::none : net::HeldContent::State::gone, {}, {}};
   const ServedGrid& grid = slot->grid;
   if (!name->level) return held_json(zarr_group(grid.pyramid, grid.grid));
   if (*name->level >= grid.pyramid.levels()) return {};
@@ -79,18 +81,29 @@ net::HeldContent BrickShelf::chunk_content(std::unique_lock<std::mutex>& lock, c
   const auto read = at->grid.read;
   const bool here = received != at->grid.received.end() || read;
   if (!here && at->wanted.size() < kMaxWanted && !at->sent.contains(chunk)) at->wanted.insert(chunk);
-  if (!here || !share_.permits()) return {State::waiting, {}, {}};
-  const float rounding = at->grid.rounding;
-  std::vector<float> values;
+  const bool overview = chunk.level == at->grid.pyramid.overview();
+  if (!here || (!overview && !share_.permits())) return {State::waiting, {}, {}};
+  const ZarrGrid grid = at->grid.grid;
+  const double begun = thread_seconds();
+  const GridIndex shape = at->grid.pyramid.chunk_shape(chunk.level);
+  std::vector<float> sent;
   if (received != at->grid.received.end()) {
-    values = std::move(received->second);
+    sent = std::move(received->second);
     at->grid.received.erase(received);
+    std::erase_if(received_, [&](const WantedChunk& one) { return one.serial == serial && one.chunk == chunk; });
   }
   lock.unlock();
-  const double begun = thread_seconds();
-  if (values.empty()) read(chunk, values);
-  std::string bytes = encode_chunk(values, rounding);
-  share_.charge(thread_seconds() - begun, bytes.size());
+  const std::size_t layer = std::size_t{shape[0]} * shape[1];
+  std::string bytes = encoder_.encode(
+      shape,
+      [&](std::uint32_t first, std::span<float> values) {
+        if (sent.size() >= first * layer + values.size())
+          std::copy_n(sent.begin() + static_cast<std::ptrdiff_t>(first * layer), values.size(), values.begin());
+        else if (read)
+          read(chunk, first, values);
+      },
+      grid);
+  share_.charge(overview ? thread_seconds() - begun : 0, bytes.size());
   lock.lock();
   if (Slot* const slot = find(serial)) {
     encoded_bytes_ += bytes.size();
@@ -132,7 +145,27 @@ std::vector<WantedChunk> BrickShelf::take_wanted(std::size_t most) {
 
 void BrickShelf::deliver(const WantedChunk& wanted, std::vector<float> values) {
   const std::lock_guard lock(mutex_);
-  if (Slot* const slot = find(wanted.serial)) slot->grid.received[wanted.chunk] = std::move(values);
+  Slot* const slot = find(wanted.serial);
+  if (!slot) return;
+  if (values.empty()) {
+    slot->sent.erase(wanted.chunk);
+    return;
+  }
+  slot->grid.received[wanted.chunk] = std::move(values);
+  received_.push_back(wanted);
+  drop_received();
+}
+
+void BrickShelf::drop_received() {
+  std::size_t bytes = 0;
+  for (const WantedChunk& one : received_) bytes += find(one.serial)->grid.pyramid.chunk_points(one.chunk.level);
+  for (bytes *= sizeof(float); bytes > kMaxReceivedBytes && received_.size() > 1; received_.pop_front()) {
+    const WantedChunk& oldest = received_.front();
+    Slot& slot = *find(oldest.serial);
+    bytes -= slot.grid.pyramid.chunk_points(oldest.chunk.level) * sizeof(float);
+    slot.grid.received.erase(oldest.chunk);
+    slot.sent.erase(oldest.chunk);
+  }
 }
 
 bool BrickShelf::is_seen() const {

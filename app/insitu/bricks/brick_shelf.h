@@ -14,6 +14,7 @@
 #include <mutex>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,11 +26,11 @@ struct ServedGrid {
   std::string container;     // name of its folder, such as "heat.000120.zarr"
   Pyramid pyramid;
   ZarrGrid grid;
-  float rounding = 0;  // maximum change of values while chunks are encoded
   double max_error = 0;
   std::uint32_t thinning = 1;
-  /// Reads a chunk from the memory of this process. Null if ranks send the chunks. Any thread.
-  std::function<void(const Chunk& chunk, std::vector<float>& values)> read;
+  /// Reads layers of a chunk from the memory of this process, from the layer `first` on. Null if ranks send the chunks.
+  /// Any thread.
+  std::function<void(const Chunk& chunk, std::uint32_t first, std::span<float> values)> read;
   /// Chunks of the overview, if ranks have sent them.
   std::map<Chunk, std::vector<float>> received;
 };
@@ -47,11 +48,13 @@ class BrickShelf : NonCopyable {
   using Clock = std::chrono::steady_clock;
   static constexpr std::size_t kMaxSteps = 2;
   static constexpr std::size_t kMaxEncodedBytes = std::size_t{4} << 20;
+  static constexpr std::size_t kMaxReceivedBytes = std::size_t{16} << 20;
 
   /// Limits of the work for viewers. The server's thread calls both functions.
   struct Share {
-    std::function<bool()> permits;                                  // reports whether a chunk may be encoded now
-    std::function<void(double seconds, std::size_t bytes)> charge;  // receives the processor time of an encoded chunk
+    std::function<bool()> permits;  // reports whether a chunk below the overview may be encoded now
+    // Charges the processor time of the server's thread since the last call. `overview` is the part for the overview.
+    std::function<void(double overview, std::size_t bytes)> charge;
   };
   explicit BrickShelf(Share share) : share_(std::move(share)) {}
 
@@ -60,17 +63,19 @@ class BrickShelf : NonCopyable {
   /// Drops all steps but the newest one, so that callers can reuse the memory of the others.
   void drop_older();
   /// Returns the content of a path of a container. Its state is `waiting` until the other ranks have sent the chunk and
-  /// the share permits encoding it. Server's thread.
+  /// the share permits encoding it. Chunks of the overview do not wait for the share. Other containers are `gone`.
+  /// Server's thread.
   [[nodiscard]] net::HeldContent content(const std::string& path);
   /// Returns requested chunks of the newest steps, the coarsest first, and notes that the ranks send them.
   [[nodiscard]] std::vector<WantedChunk> take_wanted(std::size_t most);
-  /// Receives a chunk of other ranks. Ignores it if its step was dropped.
+  /// Receives a chunk of other ranks. Without values, viewers must request it again. Ignores it if its step was
+  /// dropped. Above kMaxReceivedBytes, drops the chunks that wait longest; viewers request them again.
   void deliver(const WantedChunk& wanted, std::vector<float> values);
 
   /// Reports whether a viewer has requested the overview of the newest step; true if there is no step.
   [[nodiscard]] bool is_seen() const;
   /// Reports whether viewers refine a step: a request waits, or the last one is less than half a second old. Returns
-  /// false if the newest step is older than five seconds.
+  /// false if the newest step is older than two seconds.
   [[nodiscard]] bool is_busy(Clock::time_point now) const;
 
  private:
@@ -86,12 +91,15 @@ class BrickShelf : NonCopyable {
   [[nodiscard]] net::HeldContent chunk_content(std::unique_lock<std::mutex>& lock, const std::string& container,
                                                const Chunk& chunk);
   void drop_encoded();
+  void drop_received();
 
   const Share share_;
-  mutable std::mutex mutex_;       // guards the members below
-  std::deque<Slot> slots_;         // newest last
-  std::deque<WantedChunk> order_;  // of the encoded chunks, oldest first
+  mutable std::mutex mutex_;          // guards the members below
+  std::deque<Slot> slots_;            // newest last
+  std::deque<WantedChunk> order_;     // of the encoded chunks, oldest first
+  std::deque<WantedChunk> received_;  // chunks below the overview that ranks have sent, oldest first
   std::size_t encoded_bytes_ = 0;
+  ChunkEncoder encoder_;         // used by the server's thread only, without the lock
   Clock::time_point refined_{};  // time of the last request for a chunk below the overview
 };
 

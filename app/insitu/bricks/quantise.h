@@ -28,6 +28,9 @@ struct FiniteRange {
 
 /// Returns a scale for a range of values, extended by an eighth of the range at each end.
 [[nodiscard]] CodeScale scale_of(const FiniteRange& range);
+/// Returns a scale for a range of values. Its codes change values by at most `error`. Its step is a power of two, so
+/// that floats hold the decoded values exactly. The step is 0 if 16 bits do not suffice.
+[[nodiscard]] CodeScale rounded_scale(const FiniteRange& range, float error);
 
 /// Converts numbers to float.
 void floats_of_doubles(const double* from, std::size_t count, float* to);
@@ -43,5 +46,9 @@ void round_within(float* values, std::size_t count, float error);
 /// Writes the lowest bytes of all values, then all second bytes, and so on, so that similar bytes are adjacent. This is
 /// the little-endian shuffle codec of numcodecs.
 void shuffle_floats(const float* from, std::size_t count, std::uint8_t* to);
+/// Writes the low and the high bytes of the differences of neighbouring codes, modulo 2^16. `previous` is the code
+/// before the first one. These are the codecs delta and shuffle of numcodecs.
+void shuffle_differences(const std::int16_t* from, std::size_t count, std::int16_t previous, std::uint8_t* low,
+                         std::uint8_t* high);
 
 }  // namespace gs::app::insitu

@@ -21,6 +21,18 @@ std::int16_t code_of(float value, float offset, float inverse, FiniteRange& rang
   return static_cast<std::int16_t>(std::lrint(std::clamp((value - offset) * inverse, -kMaxCode, kMaxCode)));
 }
 
+// Number of steps below which floats hold all multiples of a step, and at most one bit below it.
+constexpr float kMostSteps = 4'194'304;
+
+// Returns the largest power of two for which the nearest multiple differs from a value by at most `error`; 0 if there
+// is none.
+float step_within(float error) {
+  if (!(error > 0) || !std::isfinite(error)) return 0;
+  // The nearest multiple of 2^n differs from a value by at most 2^(n-1).
+  const float step = std::exp2(std::floor(std::log2(2 * error)));
+  return step > 0 && std::isfinite(step) && std::isfinite(1 / step) ? step : 0;
+}
+
 #if defined(__x86_64__)
 
 // Range of the values in each of four lanes.
@@ -56,6 +68,19 @@ CodeScale scale_of(const FiniteRange& range) {
   const float offset = range.low + (range.high - range.low) / 2;
   const float quantum = (range.high - range.low) * (kRoom / (2 * kMaxCode));
   return {offset, std::isfinite(quantum) ? quantum : 0};
+}
+
+CodeScale rounded_scale(const FiniteRange& range, float error) {
+  if (range.empty()) return {0, 1};
+  if (range.low == range.high) return {range.low, 1};
+  const float step = step_within(error);
+  if (!(step > 0)) return {};
+  const float middle = range.low / 2 + range.high / 2;
+  const float offset = std::nearbyint(middle / step) * step;
+  // The codes at the ends have room for the rounding of the offset.
+  const bool fits = (range.high - range.low) / step < 2 * kMaxCode - 4 &&
+                    std::max(std::abs(range.low), std::abs(range.high)) / step < kMostSteps;
+  return fits ? CodeScale{offset, step} : CodeScale{};
 }
 
 void floats_of_doubles(const double* from, std::size_t count, float* to) {
@@ -99,20 +124,20 @@ void measure(const float* from, std::size_t count, FiniteRange& range) {
 }
 
 void dequantise(const std::int16_t* from, std::size_t step, std::size_t count, const CodeScale& scale, float* to) {
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::int16_t code = from[i * step];
-    to[i] = code == kMissingCode ? std::numeric_limits<float>::quiet_NaN()
-                                 : scale.offset + static_cast<float>(code) * scale.quantum;
-  }
+  const auto value_of = [&scale](std::int16_t code) {
+    const float value = scale.offset + static_cast<float>(code) * scale.quantum;
+    return code == kMissingCode ? std::numeric_limits<float>::quiet_NaN() : value;
+  };
+  if (step == 1)  // a loop of its own, so that the compiler can vectorise it
+    for (std::size_t i = 0; i < count; ++i) to[i] = value_of(from[i]);
+  else
+    for (std::size_t i = 0; i < count; ++i) to[i] = value_of(from[i * step]);
 }
 
 void round_within(float* values, std::size_t count, float error) {
-  if (!(error > 0) || !std::isfinite(error)) return;
-  // The nearest multiple of 2^n differs from a value by at most 2^(n-1).
-  const float step = std::exp2(std::floor(std::log2(2 * error)));
+  const float step = step_within(error);
+  if (!(step > 0)) return;
   const float inverse = 1 / step;
-  if (!(step > 0) || !std::isfinite(inverse)) return;
-  constexpr float kMostSteps = 4'194'304;  // larger values have at most one bit below the step
   std::size_t i = 0;
 #if defined(__x86_64__)
   for (; i + 4 <= count; i += 4) {
@@ -135,6 +160,32 @@ void shuffle_floats(const float* from, std::size_t count, std::uint8_t* to) {
     third[i] = static_cast<std::uint8_t>(bits >> 16);
     last[i] = static_cast<std::uint8_t>(bits >> 24);
   }
+}
+
+void shuffle_differences(const std::int16_t* from, std::size_t count, std::int16_t previous, std::uint8_t* low,
+                         std::uint8_t* high) {
+  if (count == 0) return;
+  const auto put = [&](std::size_t i, unsigned difference) {
+    low[i] = static_cast<std::uint8_t>(difference);
+    high[i] = static_cast<std::uint8_t>(difference >> 8);
+  };
+  put(0, static_cast<unsigned>(from[0] - previous));
+  std::size_t i = 1;
+#if defined(__x86_64__)
+  const __m128i mask = _mm_set1_epi16(0xff);
+  const auto differences = [&](std::size_t at) {
+    const auto* const codes = reinterpret_cast<const __m128i*>(from + at);
+    return _mm_sub_epi16(_mm_loadu_si128(codes), _mm_loadu_si128(reinterpret_cast<const __m128i*>(from + at - 1)));
+  };
+  for (; i + 16 <= count; i += 16) {
+    const __m128i first = differences(i), second = differences(i + 8);
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(low + i),
+                     _mm_packus_epi16(_mm_and_si128(first, mask), _mm_and_si128(second, mask)));
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(high + i),
+                     _mm_packus_epi16(_mm_srli_epi16(first, 8), _mm_srli_epi16(second, 8)));
+  }
+#endif
+  for (; i < count; ++i) put(i, static_cast<unsigned>(from[i] - from[i - 1]));
 }
 
 }  // namespace gs::app::insitu

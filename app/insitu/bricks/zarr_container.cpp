@@ -1,10 +1,10 @@
 #include "app/insitu/bricks/zarr_container.h"
 
-#include "app/insitu/bricks/quantise.h"
 #include "base/json_value.h"
 
 #include <zstd.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstddef>
 #include <new>
@@ -15,7 +15,7 @@ namespace gs::app::insitu {
 namespace {
 
 constexpr std::string_view kContainerEnd = ".zarr/", kMetadataName = "zarr.json";
-constexpr std::size_t kSampleBytes = sizeof(float);
+constexpr int kZstdLevel = 1;
 
 std::optional<std::uint32_t> whole_number(std::string_view text) {
   std::uint32_t number = 0;
@@ -37,18 +37,29 @@ JsonValue step_named(const char* name, JsonValue configuration) {
 JsonValue level_json(const Pyramid& pyramid, const ZarrGrid& grid, std::uint32_t level) {
   JsonValue attributes = JsonValue::named({});
   if (!grid.unit.empty()) attributes.put("units", grid.unit);
+  const bool coded = grid.codes.quantum > 0;
+  JsonValue codecs = JsonValue::list();
+  if (coded) {
+    // Attributes of the CF conventions.
+    attributes.put("scale_factor", static_cast<double>(grid.codes.quantum));
+    attributes.put("add_offset", static_cast<double>(grid.codes.offset));
+    attributes.put("_FillValue", std::int64_t{kMissingCode});
+    codecs.add(step_named("numcodecs.delta", JsonValue::named({{"dtype", "<i2"}, {"astype", "<i2"}})));
+  }
+  codecs.add(step_named("bytes", JsonValue::named({{"endian", "little"}})));
+  codecs.add(step_named("numcodecs.shuffle",
+                        JsonValue::named({{"elementsize", coded ? sizeof(std::int16_t) : sizeof(float)}})));
+  codecs.add(step_named("zstd", JsonValue::named({{"level", kZstdLevel}, {"checksum", false}})));
   return JsonValue::named(
       {{"zarr_format", 3},
        {"node_type", "array"},
        {"shape", slow_first(pyramid.size(level))},
-       {"data_type", "float32"},
+       {"data_type", coded ? "int16" : "float32"},
        {"chunk_grid",
         step_named("regular", JsonValue::named({{"chunk_shape", slow_first(pyramid.chunk_shape(level))}}))},
        {"chunk_key_encoding", step_named("default", JsonValue::named({{"separator", "."}}))},
-       {"fill_value", "NaN"},
-       {"codecs", JsonValue::list({step_named("bytes", JsonValue::named({{"endian", "little"}})),
-                                   step_named("numcodecs.shuffle", JsonValue::named({{"elementsize", kSampleBytes}})),
-                                   step_named("zstd", JsonValue::named({{"level", 1}, {"checksum", false}}))})},
+       {"fill_value", coded ? JsonValue(std::int64_t{kMissingCode}) : JsonValue("NaN")},
+       {"codecs", std::move(codecs)},
        {"dimension_names", JsonValue::list({"z", "y", "x"})},
        {"attributes", std::move(attributes)}});
 }
@@ -113,16 +124,46 @@ std::string zarr_level(const Pyramid& pyramid, const ZarrGrid& grid, std::uint32
   return level_json(pyramid, grid, level).json();
 }
 
-std::string encode_chunk(std::span<float> values, float error) {
-  round_within(values.data(), values.size(), error);
-  std::vector<std::uint8_t> bytes(values.size() * kSampleBytes);
-  shuffle_floats(values.data(), values.size(), bytes.data());
-  std::string packed(ZSTD_compressBound(bytes.size()), '\0');
-  const std::size_t size = ZSTD_compress(packed.data(), packed.size(), bytes.data(), bytes.size(), 1);
+struct ChunkEncoder::Context {
+  ~Context() { (void)ZSTD_freeCCtx(compressor); }
+  ZSTD_CCtx* compressor = ZSTD_createCCtx();
+};
+
+ChunkEncoder::ChunkEncoder() : context_(std::make_unique<Context>()) {
+  if (!context_->compressor) throw std::bad_alloc();
+}
+
+ChunkEncoder::~ChunkEncoder() = default;
+
+std::string ChunkEncoder::encode(const GridIndex& shape, const ReadLayers& read, const ZarrGrid& grid) {
+  const std::size_t layer = std::size_t{shape[0]} * shape[1], points = layer * shape[2];
+  if (grid.codes.quantum > 0) {
+    constexpr std::uint32_t kLayers = 4;
+    shuffled_.resize(points * sizeof(std::int16_t));
+    codes_.resize(layer * kLayers);
+    values_.resize(layer * kLayers);
+    std::int16_t previous = 0;
+    for (std::uint32_t z = 0; z < shape[2]; z += kLayers) {
+      const std::size_t count = layer * std::min(kLayers, shape[2] - z);
+      read(z, std::span(values_).first(count));
+      FiniteRange range;
+      quantise(values_.data(), count, grid.codes, codes_.data(), range);
+      std::uint8_t* const low = shuffled_.data() + layer * z;
+      shuffle_differences(codes_.data(), count, previous, low, low + points);
+      previous = codes_[count - 1];
+    }
+  } else {
+    values_.resize(points);
+    shuffled_.resize(points * sizeof(float));
+    read(0, values_);
+    round_within(values_.data(), points, grid.rounding);
+    shuffle_floats(values_.data(), points, shuffled_.data());
+  }
+  packed_.resize(std::max(packed_.size(), ZSTD_compressBound(shuffled_.size())));
+  const std::size_t size = ZSTD_compressCCtx(context_->compressor, packed_.data(), packed_.size(), shuffled_.data(),
+                                             shuffled_.size(), kZstdLevel);
   if (ZSTD_isError(size) != 0) throw std::bad_alloc();  // the only error if the buffer is large enough
-  packed.resize(size);
-  packed.shrink_to_fit();
-  return packed;
+  return packed_.substr(0, size);
 }
 
 }  // namespace gs::app::insitu

@@ -35,6 +35,7 @@ static example example_begin(int argc, char** argv, int size) {
   e.steps = 1000;
   e.every = 1;
   e.ranks = 1;
+  e.share = GS_INSITU_USUAL_SHARE;
   for (i = 1; i < argc; ++i) {
     const char* value = i + 1 < argc ? argv[i + 1] : "";
     if (!strcmp(argv[i], "--serve"))
@@ -138,10 +139,10 @@ static void example_end(example* e) {
     gs_insitu_flush(e->session);
     gs_insitu_get_statistics(e->session, &s);
     printf(
-        "rank %d: %llu steps, %llu taken, %.3f of %.3f s in the library (%.2f %%), last stream after %.3f s, "
-        "%llu bytes of streams, %.1f MB of buffers\n",
+        "rank %d: %llu steps, %llu taken, %.3f of %.3f s in the library (%.2f %%), %.3f s of processor time, "
+        "last stream after %.3f s, %llu bytes of streams, %.1f MB of buffers\n",
         e->rank, (unsigned long long)s.steps, (unsigned long long)s.taken, s.own_seconds, s.run_seconds,
-        100 * s.own_seconds / (s.run_seconds > 0 ? s.run_seconds : 1), s.last_seconds,
+        100 * s.own_seconds / (s.run_seconds > 0 ? s.run_seconds : 1), s.processor_seconds, s.last_seconds,
         (unsigned long long)s.stream_bytes, (double)s.peak_bytes / 1e6);
   }
   gs_insitu_close(e->session);

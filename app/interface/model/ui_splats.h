@@ -23,7 +23,7 @@ struct UiSplats {
   bool busy = false;      // the picture does not show the present edit yet
   std::string problem;    // reason why the edit cannot be shown; empty if it can
   std::string command;    // command line that makes the edited file, for copying
-  /// Edges of the crop box, in framebuffer pixels.
+  /// Outlines of the crops, in framebuffer pixels.
   std::vector<std::pair<glm::vec2, glm::vec2>> edges;
 };
 

@@ -4,10 +4,13 @@
 #include "base/text.h"
 
 #include <imgui.h>
+#include <glm/common.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <string>
+#include <variant>
 
 namespace gs::app {
 namespace {
@@ -47,45 +50,60 @@ void SplatsPanel::vector_row(const char* label, const char* id, double* values, 
   frame_->tooltips.show(std::string(help) + "; drag, or Ctrl+click to type");
 }
 
+// Draws the first row of a crop. Returns false if the user deletes the crop.
+bool SplatsPanel::crop_head(const char* label, SplatCrop& crop) {
+  splat_label(label, frame_->scale);
+  if (ImGui::RadioButton("Keep", !crop.removes)) crop.removes = false;
+  frame_->tooltips.show("Keeps the splats with centres in this region, or in another one to keep");
+  ImGui::SameLine();
+  if (ImGui::RadioButton("Remove", crop.removes)) crop.removes = true;
+  frame_->tooltips.show("Removes the splats with centres in this region, also from regions to keep");
+  ImGui::SameLine();
+  const bool kept = !ImGui::SmallButton("Delete");
+  frame_->tooltips.show("Deletes this region");
+  return kept;
+}
+
+bool SplatsPanel::crop_row(double speed, SplatCrop& crop) {
+  if (auto* const box = std::get_if<SplatBox>(&crop.shape)) {
+    const bool kept = crop_head("Box", crop);
+    vector_row("From", "##from", &box->lower.x, speed, "%.4g", "Lower corner of the box");
+    vector_row("To", "##to", &box->upper.x, speed, "%.4g", "Upper corner of the box");
+    box->upper = glm::max(box->upper, box->lower);
+    return kept;
+  }
+  SplatBall& ball = std::get<SplatBall>(crop.shape);
+  const bool kept = crop_head("Sphere", crop);
+  vector_row("Centre", "##center", &ball.center.x, speed, "%.4g", "Centre of the sphere");
+  splat_label("Radius", frame_->scale);
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
+  const double least = speed * 0.01;
+  ImGui::DragScalar("##radius", ImGuiDataType_Double, &ball.radius, static_cast<float>(speed), &least, nullptr, "%.4g");
+  frame_->tooltips.show("Radius of the sphere");
+  ball.radius = std::max(ball.radius, least);
+  return kept;
+}
+
 void SplatsPanel::crop_rows(const UiSplats& splats, SplatEdit& edit) {
   const WideBox& middle = splats.extent.middle;
-  const double speed = kDragShare * size_of_scene(splats.extent);
-  bool box = edit.box.has_value(), ball = edit.ball.has_value();
+  const double size = size_of_scene(splats.extent);
   splat_label("Crop", frame_->scale);
-  if (ImGui::Checkbox("Box", &box)) {
-    edit.box.reset();
-    if (box && !middle.empty()) edit.box = SplatBox{middle.lower, middle.upper};
-  }
-  frame_->tooltips.show("Keeps the splats with centres in a box; at first, nearly all (--crop-box)");
+  ImGui::BeginDisabled(middle.empty());
+  if (ImGui::Button("Add box")) edit.crops.push_back({SplatBox{middle.lower, middle.upper}});
+  frame_->tooltips.show("Adds a box that keeps nearly all splats at first (--crop-box, --remove-box)");
   ImGui::SameLine();
-  if (ImGui::Checkbox("Sphere", &ball)) {
-    edit.ball.reset();
-    if (ball && !middle.empty())
-      edit.ball = SplatBall{(middle.lower + middle.upper) * 0.5, size_of_scene(splats.extent) * 0.5};
-  }
-  frame_->tooltips.show("Keeps the splats with centres in a sphere (--crop-sphere)");
-  ImGui::SameLine();
-  ImGui::BeginDisabled(!edit.box && !edit.ball);
-  ImGui::Checkbox("Outside", &edit.outside);
+  if (ImGui::Button("Add sphere")) edit.crops.push_back({SplatBall{(middle.lower + middle.upper) * 0.5, size * 0.5}});
+  frame_->tooltips.show("Adds a sphere around the middle of the splats (--crop-sphere, --remove-sphere)");
   ImGui::EndDisabled();
-  frame_->tooltips.show("Removes the splats inside instead, and keeps the others (--crop-outside)");
-  if (edit.box) {
-    SplatBox& crop = *edit.box;
-    vector_row("From", "##from", &crop.lower.x, speed, "%.4g", "Lower corner of the box");
-    vector_row("To", "##to", &crop.upper.x, speed, "%.4g", "Upper corner of the box");
-    for (int k = 0; k < 3; ++k) crop.upper[k] = std::max(crop.upper[k], crop.lower[k]);
+  for (std::size_t i = 0; i < edit.crops.size();) {
+    ImGui::PushID(static_cast<int>(i));
+    const bool kept = crop_row(kDragShare * size, edit.crops[i]);
+    ImGui::PopID();
+    if (kept)
+      ++i;
+    else
+      edit.crops.erase(edit.crops.begin() + static_cast<std::ptrdiff_t>(i));
   }
-  if (edit.ball) {
-    vector_row("Centre", "##center", &edit.ball->center.x, speed, "%.4g", "Centre of the sphere");
-    splat_label("Radius", frame_->scale);
-    ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
-    const double least = speed * 0.01;
-    ImGui::DragScalar("##radius", ImGuiDataType_Double, &edit.ball->radius, static_cast<float>(speed), &least, nullptr,
-                      "%.4g");
-    frame_->tooltips.show("Radius of the sphere");
-    edit.ball->radius = std::max(edit.ball->radius, least);
-  }
-  if (!edit.box && !edit.ball) edit.outside = false;
 }
 
 void SplatsPanel::limit_rows(const UiSplats& splats, SplatEdit& edit) {

@@ -7,13 +7,15 @@
 
 namespace gs::app {
 
-/// Panel that edits the Gaussian splats of a file: crop, limits of opacity and size, transformation and exposure.
+/// Panel that edits the Gaussian splats of a file: crops, limits of opacity and size, transformation and exposure.
 /// Requests changes in UiActions::splats.
 class SplatsPanel final : public Panel {
  public:
   void draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) override;
 
  private:
+  bool crop_head(const char* label, SplatCrop& crop);
+  bool crop_row(double speed, SplatCrop& crop);
   void crop_rows(const UiSplats& splats, SplatEdit& edit);
   void limit_rows(const UiSplats& splats, SplatEdit& edit);
   void transform_rows(const UiSplats& splats, SplatEdit& edit);

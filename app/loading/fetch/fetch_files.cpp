@@ -26,7 +26,7 @@ ReadFile Fetcher::reader_of(const net::Origin& origin) {
       if (!decoded) return std::string("malformed data: URL");
       return shared_bytes(std::move(decoded->bytes));
     }
-    if (loading_.options.offline) return name + ": the network is disabled (--offline)";
+    if (loading_.options.offline) return name + ": " + std::string(kOfflineProblem);
     return network_.read_now(url, origin);
   };
 }
@@ -60,7 +60,7 @@ ReadWanted Fetcher::read_allowed(const net::Origin& origin, ReadWanted read) con
       if (const auto refused = policy.refuse(origin, parts[i].url)) {
         results[i] = name + ": " + refused->message;
       } else if (offline) {
-        results[i] = name + ": the network is disabled (--offline)";
+        results[i] = name + ": " + std::string(kOfflineProblem);
       } else {
         wanted.push_back(parts[i]);
         wanted.back().cache = cache;
@@ -119,7 +119,7 @@ ReadFiles Fetcher::files_by(const net::Origin& origin, ReadWanted read) const {
       } else if (const auto refused = policy.refuse(origin, url)) {
         results[i] = requests[i].reference + ": " + refused->message;
       } else if (offline) {
-        results[i] = requests[i].reference + ": the network is disabled (--offline)";
+        results[i] = requests[i].reference + ": " + std::string(kOfflineProblem);
       } else {
         wanted.push_back({url, requests[i].part, cache});
         places.push_back(i);

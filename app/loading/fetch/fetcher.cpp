@@ -191,7 +191,7 @@ void Fetcher::begin_next_candidate(Fetch& fetch) {
       return;
     }
     if (loading_.options.offline) {
-      fail_candidate(fetch, net::url_for_messages(url.text()) + ": the network is disabled (--offline)");
+      fail_candidate(fetch, net::url_for_messages(url.text()) + ": " + std::string(kOfflineProblem));
       continue;
     }
     if (const net::Scheme* scheme = net::find_scheme(url.scheme);

@@ -63,7 +63,7 @@ ListedFolder listed_folder(const net::Url& url, BucketPage first, const ReadWant
     return true;
   });
   std::ranges::sort(folder.names);
-  folder.names.erase(std::ranges::unique(folder.names).begin(), folder.names.end());
+  folder.names.erase(std::unique(folder.names.begin(), folder.names.end()), folder.names.end());
   return folder;
 }
 
@@ -97,7 +97,7 @@ std::optional<std::vector<std::string>> names_in_bucket(const net::Url& folder, 
     });
     if (names.empty()) continue;
     std::ranges::sort(names);
-    names.erase(std::ranges::unique(names).begin(), names.end());
+    names.erase(std::unique(names.begin(), names.end()), names.end());
     return names;
   }
   return std::nullopt;
@@ -107,8 +107,10 @@ ReadFile reader_of_listed(std::shared_ptr<const ListedFolder> folder, ReadWanted
   struct Ahead {
     std::map<std::string, std::size_t> places;  // indices in the list, by reference
     std::map<std::string, FileResult> results;  // results of files that were read ahead
+    std::vector<bool> read;                     // files of the list that were requested
   };
   const auto ahead = std::make_shared<Ahead>();
+  ahead->read.resize(folder->names.size());
   for (std::size_t i = 0; i < folder->names.size(); ++i) ahead->places[net::reference_of_path(folder->names[i])] = i;
   return [folder = std::move(folder), read = std::move(read), ahead](const std::string& reference) -> BytesResult {
     if (reference == kFolderReference) {
@@ -124,6 +126,9 @@ ReadFile reader_of_listed(std::shared_ptr<const ListedFolder> folder, ReadWanted
       std::vector<WantedPart> wanted;
       std::vector<std::string> references;
       for (std::size_t i = place->second; i < std::min(place->second + kAtOnce, folder->names.size()); ++i) {
+        // Files that were read ahead or returned before are not requested again.
+        if (i != place->second && ahead->read[i]) continue;
+        ahead->read[i] = true;
         wanted.push_back({folder->url_of(folder->names[i]), std::nullopt});
         references.push_back(net::reference_of_path(folder->names[i]));
       }

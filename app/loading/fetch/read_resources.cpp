@@ -27,8 +27,10 @@ struct CollectedRequest {
 };
 
 /// Status codes that mean that a resource does not exist. Stores such as S3 answer 403 if they may not be listed.
+/// Status 410 means that the resource existed, so it must not become a missing part.
 bool is_absent_resource(const net::LoadError& error) {
-  return error.kind == net::LoadErrorKind::not_found || error.http_status == 403;
+  constexpr int kForbidden = 403, kGone = 410;
+  return (error.kind == net::LoadErrorKind::not_found && error.http_status != kGone) || error.http_status == kForbidden;
 }
 
 }  // namespace
@@ -98,7 +100,8 @@ std::vector<FileResult> read_resources(net::Loader& loader, std::span<const Want
       } else if (std::holds_alternative<net::LoadDone>(event.what)) {
         end(*request, one);
       } else if (auto* const error = std::get_if<net::LoadError>(&event.what)) {
-        finish(*request, is_absent_resource(*error) ? FileResult(NoFile{std::move(error->message)}) : FileResult(std::move(error->message)));
+        finish(*request, is_absent_resource(*error) ? FileResult(NoFile{std::move(error->message)})
+                                                    : FileResult(std::move(error->message)));
       }
     }
     if (open > 0 && loader.queued_bytes() == 0) hooks.wait();
@@ -128,9 +131,9 @@ std::optional<RangesProblem> read_ranges(net::Loader& loader, const WantedRanges
   made.validator = wanted.validator;
   made.priority = static_cast<int>(Urgency::world) * kUrgencyStep;
   const net::RequestId id = loader.request(std::move(made));
-  const RangesProblem changed{net::url_for_messages(wanted.url.text()) +
-                                  ": the file changed on the server; reload to get the new version",
-                              true};
+  const RangesProblem changed{
+      net::url_for_messages(wanted.url.text()) + ": the file changed on the server; reload to get the new version",
+      true};
   std::optional<RangesProblem> problem;
   bool open = true;
   const auto end = [&](std::optional<RangesProblem> why) {

@@ -18,6 +18,10 @@
 
 namespace gs::app {
 
+/// Reason why a resource on a server is not read with LoadOptions::offline.
+inline constexpr std::string_view kOfflineProblem =
+    "the network is disabled; open the world without --offline to load it";
+
 /// Part of a resource on a server, or all of it.
 struct WantedPart {
   net::Url url;

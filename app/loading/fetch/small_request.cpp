@@ -41,14 +41,15 @@ SmallAnswer small_request(net::Request request, bool head_only, const LoadOption
       }
       if (const auto* const data = std::get_if<net::LoadData>(&event.what))
         answer.body.append(reinterpret_cast<const char*>(data->bytes.data()), data->bytes.size());
-      if (const auto* const error = std::get_if<net::LoadError>(&event.what)) return {{}, {}, error->message};
+      if (const auto* const error = std::get_if<net::LoadError>(&event.what))
+        return {{}, {}, error->message, error->http_status};
       if (std::holds_alternative<net::LoadDone>(event.what)) return answer;
     }
     std::unique_lock lock(mutex);
     (void)news.wait_for(lock, kSlice, [&] { return woken; });
     woken = false;
   }
-  return {{}, {}, "no answer for 30 s"};
+  return {{}, {}, "no answer for 30 s", 0};
 }
 
 }  // namespace gs::app

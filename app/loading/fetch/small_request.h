@@ -15,6 +15,7 @@ struct SmallAnswer {
   std::string version;  // validators and size of the resource
   std::string body;
   std::string problem;  // empty if the request succeeded
+  int status = 0;       // HTTP status of a problem; 0 if there is none
 };
 
 /// Default limit of the bytes of an answer.

@@ -197,7 +197,8 @@ bool SplatLevels::start_jobs() {
     request(jobs_.back(), path_of(file));
     if (!jobs_.back().files.empty()) continue;
     end_job(jobs_.size() - 1, false);
-    fail(file, path_of(file) + " is not allowed");
+    const auto refused = loading_.fetcher.policy().refuse(source_.origin, url);
+    fail(file, path_of(file) + ": " + (refused ? refused->message : std::string(kOfflineProblem)));
     --i;
   }
   return any;

@@ -23,6 +23,14 @@ std::string title_of(const vrml::SceneGraph& scene) {
   return std::string(scene.x3d().meta("title"));
 }
 
+// Returns the messages other than those about steps of a simulation that it no longer keeps. A newer step follows.
+Diagnostics without_gone(const Diagnostics& all) {
+  Diagnostics kept;
+  for (const Diagnostic& one : all.entries())
+    if (one.message.find("410 Gone") == std::string::npos) kept.add(one);
+  return kept;
+}
+
 }  // namespace
 
 LoadResults::LoadResults(std::string path, bool network_allowed, WorldBudget budget)
@@ -129,6 +137,8 @@ LoadedWorld LoadResults::hand_over(std::unique_ptr<vrml::SceneGraph> scene) {
   if (std::string title = title_of(*handed.scene); !title.empty()) handed.title = std::move(title);
   handed.color_key = color_key_of(*handed.scene);
   handed.live = live_data_of(*handed.scene);
+  live_ = !handed.live.empty();
+  if (live_) handed.diagnostics = without_gone(handed.diagnostics);
   if (!handed.authored && !handed.steps) handed.steps = time_steps_of(*handed.scene);
   return handed;
 }
@@ -161,6 +171,7 @@ ResourceUpdates LoadResults::take_updates(const std::function<bool(const vrml::S
   taken.feeds = std::exchange(feeds_, {});
   taken.outside = std::exchange(outside_, {});
   taken.diagnostics = std::exchange(diagnostics_, Diagnostics());
+  if (live_) taken.diagnostics = without_gone(taken.diagnostics);
   return taken;
 }
 

@@ -25,7 +25,7 @@ namespace gs::app {
 class Follower : NonCopyable {
  public:
   static constexpr double kLeastWait = 0.5, kMostWait = 10, kLeastWaitForServers = 2, kMostWaitForServers = 30;
-  static constexpr double kLeastWaitForLive = 0.25;
+  static constexpr double kLeastWaitForLive = 0.1;
   static constexpr double kMostWaitForLive = 2;  // for worlds of a running simulation, which are always followed
 
   /// Other threads call `wake`, which must be thread-safe.

@@ -8,6 +8,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace gs::qnv::gaussians {
@@ -15,11 +16,11 @@ namespace gs::qnv::gaussians {
 /// Largest number of children of a Gaussian. One child means that the Gaussian stays, and is not coded again.
 inline constexpr std::size_t kMostChildren = 255;
 
-/// Codes a Gaussian. With a Writer, `code` is the input; with a Reader, it is the result. `sibling` is the previous
-/// Gaussian with the same parent, or null.
+/// Codes a Gaussian, and returns its shape. With a Writer, `code` is the input; with a Reader, it is the result.
+/// `sibling` is the previous Gaussian with the same parent, or null.
 template <class Coder>
-void code_splat(Coder& coder, SplatModels& models, const SplatNode& parent, const SplatCode* sibling, SplatCode& code,
-                const Precision& precision) {
+SplatShape code_splat(Coder& coder, SplatModels& models, const SplatNode& parent, const SplatFrame& frame,
+                      const SplatCode* sibling, SplatCode& code, const Precision& precision) {
   code.leaf = coder.bit(models.leaf[sibling ? (sibling->leaf ? 2 : 1) : 0], code.leaf);
   const std::size_t leaf = code.leaf ? 1 : 0, beside = sibling ? 1 : 0;
   // Gaussians that will be replaced have half the precision.
@@ -47,7 +48,9 @@ void code_splat(Coder& coder, SplatModels& models, const SplatNode& parent, cons
   for (std::size_t k = 0; k < 3; ++k)
     code.turn[k] = std::clamp(models.turn[leaf][k].code(coder, size_of(0.25 / steps.turn[k]), code.turn[k]), -kMostTurn,
                               kMostTurn);
-  const auto spread = place_spread(parent, turned(parent.rotation, code.turn, steps.turn), steps);
+  const glm::vec4 rotation = turned(parent.rotation, code.turn, steps.turn);
+  const SplatAxes axes = axes_of(rotation);
+  const auto spread = place_spread(frame, axes, steps);
   for (std::size_t k = 0; k < 3; ++k)
     code.place[k] =
         std::clamp(models.place[leaf].code(coder, size_of(spread[k]), code.place[k]), -kMostPlace, kMostPlace);
@@ -57,18 +60,31 @@ void code_splat(Coder& coder, SplatModels& models, const SplatNode& parent, cons
         std::clamp(models.color[leaf][k].code(coder, color_size.size(), code.color[k]), -kMostColor, kMostColor);
     color_size.learn(code.color[k]);
   }
+  return {steps, rotation, axes};
 }
 
-/// Codes the children of a Gaussian, which must not be a leaf. A Gaussian that `may_stay` has one child without code:
-/// itself. With a Reader, `children` is the result.
+/// Codes the children of a Gaussian, which must not be a leaf, and appends the decoded ones to `nodes`. A Gaussian that
+/// `may_stay` has one child without code: itself. With a Writer, `children` is the input; with a Reader, its size is
+/// irrelevant. Returns the number of children.
 template <class Coder>
-void code_children(Coder& coder, SplatModels& models, const SplatNode& parent, bool may_stay,
-                   std::vector<SplatCode>& children, const Precision& precision) {
+std::size_t code_children(Coder& coder, SplatModels& models, const SplatNode& parent, bool may_stay,
+                          std::span<SplatCode> children, const Precision& precision, std::vector<SplatNode>& nodes) {
   const std::uint32_t more = models.children.code(coder, static_cast<std::uint32_t>(children.size()) - 1);
-  children.resize(std::min<std::size_t>(more, kMostChildren - 1) + 1);
-  if (may_stay && children.size() == 1) return;
-  for (std::size_t i = 0; i < children.size(); ++i)
-    code_splat(coder, models, parent, i > 0 ? &children[i - 1] : nullptr, children[i], precision);
+  const std::size_t count = std::min<std::size_t>(more, kMostChildren - 1) + 1;
+  if (may_stay && count == 1) {
+    nodes.push_back(parent);
+    return count;
+  }
+  const SplatFrame frame = frame_of(parent);
+  std::array<SplatCode, 2> read;  // with a Reader: this child and the previous one in turn
+  const SplatCode* sibling = nullptr;
+  for (std::size_t i = 0; i < count; ++i) {
+    SplatCode& code = Coder::kWrites ? children[i] : read[i % 2];
+    const SplatShape shape = code_splat(coder, models, parent, frame, sibling, code, precision);
+    nodes.push_back(node_of(parent, code, shape, precision));
+    sibling = &code;
+  }
+  return count;
 }
 
 }  // namespace gs::qnv::gaussians

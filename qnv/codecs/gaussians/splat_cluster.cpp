@@ -55,29 +55,19 @@ std::optional<PackedHarmonics> parse_harmonics(std::span<const std::byte> payloa
   return PackedHarmonics{head, payload};
 }
 
-std::optional<std::vector<SplatNode>> decode_nodes(std::span<const std::byte> bytes, std::span<const SplatNode> parents,
-                                                   bool may_stay, SplatModels& models, const Precision& precision,
-                                                   std::vector<NodeOrigin>* origins) {
-  BinaryDecoder decoder(bytes);
-  Reader reader{decoder};
-  std::vector<SplatNode> nodes;
-  std::vector<SplatCode> codes;
+bool decode_nodes(std::span<const std::byte> bytes, std::span<const SplatNode> parents, bool may_stay,
+                  SplatModels& models, const Precision& precision, std::vector<SplatNode>& nodes,
+                  std::vector<NodeOrigin>* origins) {
+  Reader reader{BinaryDecoder(bytes)};
+  nodes.clear();
+  if (origins) origins->clear();
   for (std::size_t i = 0; i < parents.size(); ++i) {
-    const SplatNode& parent = parents[i];
-    if (parent.leaf) continue;
-    codes.clear();
-    codes.emplace_back();
-    code_children(reader, models, parent, may_stay, codes, precision);
-    if (decoder.exhausted() || nodes.size() + codes.size() > kMostNodes) return std::nullopt;
-    const bool unchanged = may_stay && codes.size() == 1;
-    if (origins) origins->resize(nodes.size() + codes.size(), {static_cast<std::uint16_t>(i), unchanged});
-    if (unchanged)
-      nodes.push_back(parent);
-    else
-      for (const SplatCode& code : codes) nodes.push_back(node_of(parent, code, precision));
+    if (parents[i].leaf) continue;
+    const std::size_t count = code_children(reader, models, parents[i], may_stay, {}, precision, nodes);
+    if (reader.coder.exhausted() || nodes.size() > kMostNodes) return false;
+    if (origins) origins->resize(nodes.size(), {static_cast<std::uint16_t>(i), may_stay && count == 1});
   }
-  if (nodes.empty()) return std::nullopt;
-  return nodes;
+  return !nodes.empty();
 }
 
 SplatNode root_node(const Box& box) {

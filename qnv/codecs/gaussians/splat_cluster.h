@@ -55,14 +55,13 @@ struct NodeOrigin {
   bool unchanged = false;    // equal to its parent
 };
 
-/// Decodes the children of `parents`; leaves have none. The parent of the first cluster is root_node(), which
-/// is always replaced (`may_stay` is false). `models` are those at the end of their cluster, and
-/// become those at the end of this one. `origins` gets one entry per Gaussian. Returns nullopt if the bytes end early,
-/// or if there are too many Gaussians.
-[[nodiscard]] std::optional<std::vector<SplatNode>> decode_nodes(std::span<const std::byte> bytes,
-                                                                 std::span<const SplatNode> parents, bool may_stay,
-                                                                 SplatModels& models, const Precision& precision,
-                                                                 std::vector<NodeOrigin>* origins = nullptr);
+/// Decodes the children of `parents` to `nodes`; leaves have none. The parent of the first cluster is root_node(),
+/// which is always replaced (`may_stay` is false). `models` are those at the end of their cluster, and become those at
+/// the end of this one. `origins` gets one entry per Gaussian. Returns false if the bytes end early, or if there are
+/// too many Gaussians or none.
+[[nodiscard]] bool decode_nodes(std::span<const std::byte> bytes, std::span<const SplatNode> parents, bool may_stay,
+                                SplatModels& models, const Precision& precision, std::vector<SplatNode>& nodes,
+                                std::vector<NodeOrigin>* origins = nullptr);
 
 /// Returns the Gaussian that the first cluster replaces. It fills the box.
 [[nodiscard]] SplatNode root_node(const Box& box);

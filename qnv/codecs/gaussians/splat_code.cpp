@@ -3,6 +3,7 @@
 #include "qnv/base/kernel_pragmas.inc"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace gs::qnv::gaussians {
@@ -29,10 +30,44 @@ constexpr std::array<double, 8> kEighths = {1,
                                             1.681792830507429,
                                             1.8340080864093424};
 
-double power_of(int eighths) {
-  const int octave = eighths >= 0 ? eighths / kScaleSteps : -((kScaleSteps - 1 - eighths) / kScaleSteps);
-  return std::ldexp(kEighths[static_cast<std::size_t>(eighths - octave * kScaleSteps)], octave);
+/// Returns 2^(eighths/8), for results that are normal numbers.
+constexpr double power_of(int eighths) {
+  constexpr int kShift = 100;  // octaves, so that the division rounds down
+  const int octave = (eighths + kShift * kScaleSteps) / kScaleSteps - kShift;
+  const auto place = static_cast<std::size_t>(eighths - octave * kScaleSteps);
+  // 2^octave: the exponent of a double has an offset of 1023 and follows 52 bits.
+  return kEighths[place] * std::bit_cast<double>(static_cast<std::uint64_t>(1023 + octave) << 52);
 }
+
+/// Returns the powers of `first` and the next exponents.
+template <std::size_t count>
+constexpr std::array<double, count> powers_from(int first) {
+  std::array<double, count> all{};
+  for (std::size_t i = 0; i < count; ++i) all[i] = power_of(first + static_cast<int>(i));
+  return all;
+}
+constexpr auto kScales = powers_from<kMostScale + 1>(kLeastOctave * kScaleSteps);
+
+/// Denominators of turns, by the ratio of the scales that they exchange.
+constexpr int kMostRatio = 40;
+constexpr auto kTurnDivisors = [] {
+  std::array<double, kMostRatio + 1> all{};
+  for (int i = 0; i <= kMostRatio; ++i) {
+    const double ratio = power_of(i);
+    all[static_cast<std::size_t>(i)] = ratio - 1 / ratio + 0.05;
+  }
+  return all;
+}();
+
+/// Logarithms of opacities to the base 2 in eighths, rounded down.
+constexpr auto kFaint = [] {
+  std::array<int, kMostOpacity + 1> all{};
+  for (int code = 0; code <= kMostOpacity; ++code) {
+    int& faint = all[static_cast<std::size_t>(code)];
+    while (faint > -6 * kScaleSteps && static_cast<double>(code) / kMostOpacity < power_of(faint)) --faint;
+  }
+  return all;
+}();
 
 }  // namespace
 
@@ -45,7 +80,7 @@ SplatErrors splat_errors(int steps) {
           1.0 / kMostOpacity};  // of splats below half a step, which keep the least opacity
 }
 
-double scale_of(int code) { return power_of(code + kLeastOctave * kScaleSteps); }
+double scale_of(int code) { return kScales[static_cast<std::size_t>(code)]; }
 
 int scale_code(double scale) {
   if (!(scale > 0)) return 0;
@@ -60,9 +95,7 @@ int opacity_code(double opacity) {
 }
 
 int importance(const std::array<int, 3>& scales, int opacity) {
-  int faint = 0;  // log2 of the opacity in eighths, rounded down
-  while (faint > -6 * kScaleSteps && opacity_of(opacity) < power_of(faint)) --faint;
-  return scales[0] + scales[1] + 2 * faint;
+  return scales[0] + scales[1] + 2 * kFaint[static_cast<std::size_t>(opacity)];
 }
 
 SplatSteps steps_of(const SplatCode& code, const Precision& precision) {
@@ -76,18 +109,24 @@ SplatSteps steps_of(const SplatCode& code, const Precision& precision) {
     steps.place[k] = kPlaceStep * fine * scale_of(scale);
     // Turns about an axis exchange the other two.
     const int a = code.scales[(k + 1) % 3], b = code.scales[(k + 2) % 3];
-    const double ratio = power_of(std::clamp(std::max(a, b) - std::max(std::min(a, b), precision.finest), 0, 40));
-    steps.turn[k] = std::clamp(kTurnStep * fine / (ratio - 1 / ratio + 0.05), kLeastTurnStep, kMostTurnStep);
+    const int ratio = std::clamp(std::max(a, b) - std::max(std::min(a, b), precision.finest), 0, kMostRatio);
+    steps.turn[k] =
+        std::clamp(kTurnStep * fine / kTurnDivisors[static_cast<std::size_t>(ratio)], kLeastTurnStep, kMostTurnStep);
   }
   steps.color = kColorStep * inner * factor;
   return steps;
 }
 
-std::array<std::array<double, 3>, 3> axes_of(const glm::vec4& q) {
+SplatAxes axes_of(const glm::vec4& q) {
   const double x = q.x, y = q.y, z = q.z, w = q.w;
   return {{{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
            {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
            {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}}};
+}
+
+SplatFrame frame_of(const SplatNode& parent) {
+  return {axes_of(parent.rotation),
+          {scale_of(parent.scales[0]), scale_of(parent.scales[1]), scale_of(parent.scales[2])}};
 }
 
 glm::vec4 turned(const glm::vec4& p, const std::array<int, 3>& turn, const std::array<double, 3>& steps) {
@@ -102,14 +141,14 @@ glm::vec4 turned(const glm::vec4& p, const std::array<int, 3>& turn, const std::
           static_cast<float>(rw / length)};
 }
 
-std::array<double, 3> place_spread(const SplatNode& parent, const glm::vec4& rotation, const SplatSteps& steps) {
-  const auto own = axes_of(rotation), frame = axes_of(parent.rotation);
+std::array<double, 3> place_spread(const SplatFrame& parent, const SplatAxes& own, const SplatSteps& steps) {
+  const SplatAxes& frame = parent.axes;
   std::array<double, 3> spread{};
   for (std::size_t k = 0; k < 3; ++k) {
     double variance = 0;
     for (std::size_t j = 0; j < 3; ++j) {
       const double along =
-          (own[k][0] * frame[j][0] + own[k][1] * frame[j][1] + own[k][2] * frame[j][2]) * scale_of(parent.scales[j]);
+          (own[k][0] * frame[j][0] + own[k][1] * frame[j][1] + own[k][2] * frame[j][2]) * parent.scales[j];
       variance += along * along;
     }
     spread[k] = std::sqrt(variance) / steps.place[k];
@@ -133,20 +172,19 @@ std::array<int, 3> color_code(const glm::dvec3& rgb, double step) {
   return code;
 }
 
-SplatNode node_of(const SplatNode& parent, const SplatCode& code, const Precision& precision) {
-  const SplatSteps steps = steps_of(code, precision);
+SplatNode node_of(const SplatNode& parent, const SplatCode& code, const SplatShape& shape, const Precision& precision) {
   SplatNode node;
-  node.rotation = turned(parent.rotation, code.turn, steps.turn);
-  const auto axes = axes_of(node.rotation);
+  node.rotation = shape.rotation;
   for (int i = 0; i < 3; ++i) {
     double at = parent.position[i];
-    for (std::size_t k = 0; k < 3; ++k) at += axes[k][static_cast<std::size_t>(i)] * (code.place[k] * steps.place[k]);
+    for (std::size_t k = 0; k < 3; ++k)
+      at += shape.axes[k][static_cast<std::size_t>(i)] * (code.place[k] * shape.steps.place[k]);
     node.position[i] = std::clamp(static_cast<float>(at), precision.box.lower[i], precision.box.upper[i]);
   }
   for (std::size_t k = 0; k < 3; ++k) node.scales[k] = static_cast<std::int16_t>(code.scales[k]);
   node.opacity = static_cast<std::uint8_t>(code.opacity);
   node.leaf = code.leaf;
-  const glm::dvec3 change = rgb_of(code.color, steps.color);
+  const glm::dvec3 change = rgb_of(code.color, shape.steps.color);
   for (int i = 0; i < 3; ++i) node.color[i] = static_cast<float>(parent.color[i] + change[i]);
   return node;
 }

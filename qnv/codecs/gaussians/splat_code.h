@@ -55,6 +55,22 @@ struct SplatSteps {
   double color = 0;
 };
 
+/// Rotation matrix by columns.
+using SplatAxes = std::array<std::array<double, 3>, 3>;
+
+/// Axes and standard deviations of the parent of Gaussians.
+struct SplatFrame {
+  SplatAxes axes;
+  std::array<double, 3> scales;
+};
+
+/// Values of a Gaussian that its code decides before its place.
+struct SplatShape {
+  SplatSteps steps;
+  glm::vec4 rotation;
+  SplatAxes axes;
+};
+
 /// Maximum errors of final Gaussians. `place` is in standard deviations along each axis; a thin axis counts as an
 /// eighth of the longest one. `scale` is relative to the deviation. The first number of an array holds for the most
 /// important Gaussians, the second one for all.
@@ -73,18 +89,21 @@ struct SplatErrors {
 [[nodiscard]] int importance(const std::array<int, 3>& scales, int opacity);
 /// Returns the steps of a Gaussian with known scales and opacity.
 [[nodiscard]] SplatSteps steps_of(const SplatCode& code, const Precision& precision);
-/// Returns the rotation matrix of a unit quaternion x, y, z, w, by columns.
-[[nodiscard]] std::array<std::array<double, 3>, 3> axes_of(const glm::vec4& q);
+/// Returns the rotation matrix of a unit quaternion x, y, z, w.
+[[nodiscard]] SplatAxes axes_of(const glm::vec4& q);
+[[nodiscard]] SplatFrame frame_of(const SplatNode& parent);
 /// Returns the rotation of a child from that of its parent.
 [[nodiscard]] glm::vec4 turned(const glm::vec4& parent, const std::array<int, 3>& turn,
                                const std::array<double, 3>& steps);
-/// Returns the standard deviations of places along the axes of a Gaussian, in steps, if siblings spread like `parent`.
-[[nodiscard]] std::array<double, 3> place_spread(const SplatNode& parent, const glm::vec4& rotation,
+/// Returns the standard deviations of places along the axes of a Gaussian, in steps, if siblings spread like the
+/// parent.
+[[nodiscard]] std::array<double, 3> place_spread(const SplatFrame& parent, const SplatAxes& axes,
                                                  const SplatSteps& steps);
 /// Returns the difference of a colour from its code: luma, red against blue, green against both (YCoCg).
 [[nodiscard]] glm::dvec3 rgb_of(const std::array<int, 3>& code, double step);
 [[nodiscard]] std::array<int, 3> color_code(const glm::dvec3& rgb, double step);
-/// Returns the decoded Gaussian.
-[[nodiscard]] SplatNode node_of(const SplatNode& parent, const SplatCode& code, const Precision& precision);
+/// Returns the decoded Gaussian. `shape` follows from the scales, the opacity and the turn of `code`.
+[[nodiscard]] SplatNode node_of(const SplatNode& parent, const SplatCode& code, const SplatShape& shape,
+                                const Precision& precision);
 
 }  // namespace gs::qnv::gaussians

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <span>
 
 namespace gs::qnv::gaussians {
 
@@ -26,28 +26,38 @@ struct ShortNumberModel {
 
   template <class Coder>
   std::uint32_t code(Coder& coder, std::uint32_t value) {
-    for (std::uint32_t i = 0; i < Steps; ++i)
-      if (!coder.bit(more[i], value > i)) return i;
-    const std::uint32_t rest = value - static_cast<std::uint32_t>(Steps) + 1;
+    const std::uint32_t steps = coder.unary(more, value);
+    return steps < Steps ? steps : steps + code_rest(coder, value - steps + 1);
+  }
+
+ private:
+  template <class Coder>
+  std::uint32_t code_rest(Coder& coder, std::uint32_t rest) {
     const int wanted = std::bit_width(rest) - 1;
     int bits = 0;
     while (bits < kMostBits && coder.bit(prefix[static_cast<std::size_t>(std::min(bits, 7))], bits < wanted)) ++bits;
     const std::uint32_t low = coder.bits(rest & ((1u << bits) - 1), bits);
-    return (1u << bits | low) - 1 + static_cast<std::uint32_t>(Steps);
+    return (1u << bits | low) - 1;
   }
 };
 
 /// Encoder with the calls of Reader, so that both directions share their code.
 struct Writer {
   static constexpr bool kWrites = true;
-  BinaryEncoder& coder;
+  BinaryEncoder* coder;
 
   bool bit(BitModel& model, bool value) {
-    coder.put(model, value);
+    coder->put(model, value);
     return value;
   }
+  std::uint32_t unary(std::span<BitModel> models, std::uint32_t value) {
+    const auto most = static_cast<std::uint32_t>(models.size());
+    for (std::uint32_t i = 0; i < std::min(value, most); ++i) coder->put(models[i], true);
+    if (value < most) coder->put(models[value], false);
+    return std::min(value, most);
+  }
   std::uint32_t bits(std::uint32_t value, int count) {
-    coder.put_bits(value, count);
+    coder->put_bits(value, count);
     return value;
   }
 };
@@ -55,9 +65,12 @@ struct Writer {
 /// Decoder. Values that are passed are ignored.
 struct Reader {
   static constexpr bool kWrites = false;
-  BinaryDecoder& coder;
+  BinaryDecoder coder;
 
   bool bit(BitModel& model, bool) { return coder.get(model); }
+  std::uint32_t unary(std::span<BitModel> models, std::uint32_t) {
+    return static_cast<std::uint32_t>(coder.get_unary(models));
+  }
   std::uint32_t bits(std::uint32_t, int count) { return coder.get_bits(count); }
 };
 
@@ -111,11 +124,14 @@ struct SplatModels {
   std::array<std::array<TypicalSize, 2>, 2> scale_size, opacity_size;
 };
 
-/// Returns log2 of a positive number in halves, rounded down, plus 2.
+/// Returns log2 of a number >= 0 in halves, rounded down, plus 2. Numbers below 2^-1022 have the size 0.
 [[nodiscard]] inline int size_of(double value) {
-  int exponent = 0;
-  const double part = std::frexp(value, &exponent);
-  return 2 * (exponent - 1) + (part >= 0.70710678118654757 ? 1 : 0) + 2;
+  // The fraction of a double has 52 bits, and its exponent an offset of 1023.
+  constexpr std::uint64_t kFraction = (std::uint64_t{1} << 52) - 1, kRoot = 0x6a09e667f3bcd;  // of the root of 2
+  const auto bits = std::bit_cast<std::uint64_t>(value);
+  const auto exponent = static_cast<int>(bits >> 52);
+  if (exponent == 0 || exponent >= 0x7ff) return 0;
+  return 2 * (exponent - 1023) + ((bits & kFraction) >= kRoot ? 1 : 0) + 2;
 }
 
 }  // namespace gs::qnv::gaussians

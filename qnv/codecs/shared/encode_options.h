@@ -66,9 +66,9 @@ struct EncodeOptions {
                                               // outlive the call
   StreamSink* sink = nullptr;                 // values, gaussians: takes the stream, which then has no bytes in memory;
                                               // or null
-  Ranks* ranks = nullptr;                     // values, and surfaces in runs: processes that encode one source
-                                              // together, with a common `spill`; null means only this process. Only
-                                              // rank 0 gets the stream of a surface
+  Ranks* ranks = nullptr;                     // values, gaussians, and surfaces in runs: processes that encode one
+                                              // source together, with a common `spill`; null means only this process.
+                                              // Only rank 0 gets the stream of a surface
   std::optional<double> parity;               // loss of chunks that parity restores, 0 to 0.5; nullopt: as the codec
                                               // chooses. Displaced surfaces and values; others ignore it
   glm::dvec3 origin{0};                       // origin of triangles (Description::origin); vectors have their own

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace gs::qnv {
 
@@ -19,6 +20,11 @@ struct GaussianSource {
   /// Users read only positions, scales, rotations, opacities, bases and harmonics. Returns false if `take` did, or if
   /// reading failed.
   std::function<bool(const std::function<bool(const Gaussians&)>& take)> read;
+  /// Numbers of Gaussians of runs, in the order of read(). Processes that share the source read different runs. Empty
+  /// means a single run.
+  std::vector<std::uint64_t> runs{};
+  /// Passes the Gaussians of one run to `take`, like read().
+  std::function<bool(std::uint64_t run, const std::function<bool(const Gaussians&)>& take)> read_run{};
 };
 
 }  // namespace gs::qnv

@@ -49,6 +49,11 @@ class ChunkList {
 [[nodiscard]] std::variant<StreamHeader, EncodeError> write_stream(StreamHeader header, const ChunkList& chunks,
                                                                    std::size_t max_bytes, StreamSink& sink,
                                                                    const Protection& protection = {});
+/// Writes a stream to the sink of the options, or to memory. With several ranks, each one writes a part of the chunks,
+/// with the parity and the directory after them; all ranks have equal lists. Uses `max_bytes`, `sink` and `ranks`.
+[[nodiscard]] std::variant<EncodedStream, EncodeError> write_together(StreamHeader header, const ChunkList& chunks,
+                                                                      const EncodeOptions& options,
+                                                                      const Protection& protection);
 /// Writes the header, the chunks in the given order with their parity, and the directory, which omits the parity. If
 /// the stream exceeds `max_bytes` (0 means unlimited), drops chunks from the end, but never the first. Sets the
 /// header's number of vectors.

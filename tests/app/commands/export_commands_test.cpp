@@ -159,8 +159,15 @@ TEST_CASE("export and encode edit Gaussian splats and name what they remove") {
   }
   CHECK(run("export --crop-sphere 50,0,0,1 " + quoted(in) + " " + quoted(folder.path("a.spz")))
             .output.find("--crop-sphere leaves no splat of 300") != std::string::npos);
-  CHECK(run("export --crop-outside " + quoted(in) + " " + quoted(folder.path("a.spz")))
-            .output.find("--crop-outside needs --crop-box or --crop-sphere") != std::string::npos);
+  const std::string regions = folder.path("regions.3dgs.ply");
+  REQUIRE(run("export --crop-box=-9,-9,-9,0,9,9 --crop-box 0,-9,-9,9,9,9 --remove-sphere 0,0,0,0.5 --remove-box "
+              "0,0,0,9,9,9 " +
+              quoted(in) + " " + quoted(regions))
+              .status == kDone);
+  std::size_t left = 0;
+  for (const glm::vec3& p : splats.positions)
+    left += glm::length(p) > 0.5f && !(p.x >= 0 && p.y >= 0 && p.z >= 0) ? 1 : 0;
+  CHECK(info(regions)["vectors"] == left);
   const std::string world = folder.write("ball.wrl", kBall);
   const Run refused = run("export --exposure 1 " + quoted(world) + " " + quoted(folder.path("b.wrl")));
   CHECK(refused.status != kDone);

@@ -5,11 +5,15 @@
 
 #include <catch2/catch.hpp>
 
+#include <glm/geometric.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <numeric>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -172,6 +176,46 @@ TEST_CASE("names what formats without opacity lose of Gaussians") {
         ".spz, .sog and .splats.glb keep them");
   const auto plain = export_format_of("a.ply")->write(geometry, {}), whole = export_splats_ply(geometry);
   CHECK(std::get<Bytes>(plain) == std::get<Bytes>(whole));
+}
+
+TEST_CASE("reads rotations of any length, and counts splats without a rotation as broken") {
+  SplatModel model;
+  model.format = "test";
+  const glm::vec4 rotation(0.5f, -0.5f, 0.5f, -0.5f);
+  const float infinite = std::numeric_limits<float>::infinity();
+  for (const float length : {1e-44f, 1e-22f, 1e-3f, 1.0f, 1e3f, 1e30f, 0.0f, infinite}) {
+    model.positions.emplace_back(0);
+    model.scales.emplace_back(1, 0.5f, 0.25f);
+    model.rotations.push_back(rotation * length);
+    model.opacities.push_back(0.5f);
+    model.dc.emplace_back(0);
+  }
+  const Gaussians splats = vectors_of_splats(model);
+  REQUIRE(splats.size() == 6);
+  for (const glm::vec4& q : splats.rotations) CHECK(glm::length(q) == Approx(1));
+  CHECK(splats.description.metadata.back() == std::pair<std::string, std::string>("splats broken", "2"));
+}
+
+TEST_CASE("names the loss of antialiased drawing, and the rounding of harmonics only if there are any") {
+  Gaussians splats = random_gaussians(5, 1);
+  splats.antialiased = true;
+  const auto losses_of = [&](const char* path) {
+    std::string text;
+    for (const std::string& loss : export_losses(*export_format_of(path), qnv::Geometry(splats))) text += loss + "\n";
+    return text;
+  };
+  for (const char* path : {"a.ply", "a.3dgs.ply"}) CHECK(losses_of(path).empty());
+  for (const char* path : {"a.spz", "a.v3.spz", "a.sog"}) {
+    CHECK(losses_of(path).find("harmonics") != std::string::npos);
+    CHECK(losses_of(path).find("antialiased") == std::string::npos);
+  }
+  CHECK(losses_of("a.splats.glb").find("antialiased drawing (Mip-Splatting) is left out") != std::string::npos);
+  splats.degree = 0;
+  splats.harmonics.clear();
+  for (const char* path : {"a.spz", "a.v3.spz", "a.sog"}) {
+    CHECK(losses_of(path).find(" rounds splats: ") != std::string::npos);
+    CHECK(losses_of(path).find("harmonics") == std::string::npos);
+  }
 }
 
 TEST_CASE("reads the harmonics of a compressed PLY file in its steps") {

@@ -96,6 +96,14 @@ TEST_CASE("pace: thinned grids keep the share at the wanted pace") {
   CHECK(StepPace(0, 1).affordable_bytes(5, 1, 0) == UINT64_MAX);
 }
 
+TEST_CASE("pace: a larger share permits the next step earlier") {
+  StepPace pace(0.02, 1);
+  pace.note_cost(0.1);
+  CHECK_FALSE(pace.may_take(1, 4, 0.1));
+  pace.set_share(0.1);
+  CHECK(pace.may_take(1, 4, 0.1));
+}
+
 TEST_CASE("pace: a step that costs more than expected delays the next one") {
   StepPace pace(0.1, 1);
   CHECK(pace.may_take(0, 0, 0));

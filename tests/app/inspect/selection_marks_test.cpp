@@ -5,6 +5,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <glm/gtc/matrix_transform.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <string_view>
@@ -26,6 +28,21 @@ TEST_CASE("draws the edges of a box where the viewer sees them") {
       CHECK(std::abs(end.x - 300) == Approx(20));
       CHECK(std::abs(end.y - 150) == Approx(20));
     }
+}
+
+TEST_CASE("draws the circles of a sphere around its projected centre") {
+  Pose pose;
+  pose.position = {0, 0, 10};
+  pose.field_of_view = static_cast<float>(2 * std::atan(0.5));
+  const Viewport viewport{100, 50, 400, 200};
+  const glm::dmat4 moved = glm::translate(glm::dmat4(1), glm::dvec3(1, 0, 0));
+  const std::vector<PixelLine> lines = circles_of({-1, 0, 0}, 2, pose, viewport, moved);
+  CHECK(lines.size() == 3 * 48);
+  float most = 0;
+  for (const auto& [a, b] : lines) most = std::max({most, std::abs(a.x - 300), std::abs(a.y - 150)});
+  CHECK(most > 40);  // the circle at z = 0 has a radius of 40 pixels, and nearer points are farther out
+  CHECK(most < 43);
+  CHECK(circles_of({0, 0, 20}, 2, pose, viewport, glm::dmat4(1)).empty());
 }
 
 TEST_CASE("drops edges behind the viewer, and cuts edges that pass the viewer") {

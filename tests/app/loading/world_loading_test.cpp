@@ -207,8 +207,8 @@ TEST_CASE("reports failures during loading, and shows the rest") {
          return answer;
        },
        "404", false},
-      {"garbage", [](const net::TransferRequest&, unsigned) { return whole(std::string(3000, '\1')); }, "unknown format",
-       false},
+      {"garbage", [](const net::TransferRequest&, unsigned) { return whole(std::string(3000, '\1')); },
+       "unknown format", false},
       {"truncated",
        [&](const net::TransferRequest&, unsigned) {
          net::MemoryAnswer answer = whole(text);
@@ -270,6 +270,24 @@ TEST_CASE("denies files to a document from the network, and denies the network t
   const LoadedWorld none = load_world("memory://a/world.wrl", web.options);
   CHECK_FALSE(none.scene);
   CHECK(said(none).find("--offline") != std::string::npos);
+}
+
+TEST_CASE("reports no step of a running simulation that a newer one has replaced") {
+  for (const bool live : {true, false}) {
+    INFO(live);
+    Web web;
+    web.put("memory://a/world.wrl", std::string("#VRML V2.0 utf8\n") +
+                                        (live ? "WorldInfo { info \"live data: insitu.json\" }\n" : "") +
+                                        "Shape { geometry QNV { url \"heat.000001.zarr/zarr.json\" } }\n");
+    web.put_script("memory://a/heat.000001.zarr/zarr.json", [](const net::TransferRequest&, unsigned) {
+      net::MemoryAnswer answer;
+      answer.head.status = 410;
+      return answer;
+    });
+    const LoadedWorld world = load_world("memory://a/world.wrl", web.options);
+    REQUIRE(world.scene);
+    CHECK((said(world).find("410 Gone") != std::string::npos) == !live);
+  }
 }
 
 TEST_CASE("shows a stream from its front, and refines it") {

@@ -58,7 +58,7 @@ TEST_CASE("writes edited splats as a file of splats and as a stream") {
   const auto& bytes = std::get<std::vector<std::byte>>(made);
   const std::string in = folder.write("in.ply", std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
   SplatEdit edit;
-  edit.box = SplatBox{{-1, -1, -1}, {1, 1, 1}};
+  edit.crops = {{SplatBox{{-1, -1, -1}, {1, 1, 1}}}};
   qnv::Gaussians left = test::random_gaussians(300, 1);
   (void)edit_splats(left, edit);
   for (const char* name : {"out.3dgs.ply", "out.qnv"}) {

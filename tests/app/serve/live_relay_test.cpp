@@ -7,10 +7,14 @@
 #include <catch2/catch.hpp>
 
 #include <chrono>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <thread>
 #include <variant>
+
+#include <netinet/in.h>
+#include <sys/socket.h>
 
 namespace gs::app::live_relay_test {
 namespace {
@@ -26,6 +30,7 @@ struct RelayedRun {
       return net::FolderPage{"model/vrml", "#VRML V2.0 utf8\n"};
     };
     options.content = [](const net::ContentRequest& request) -> net::HeldContent {
+      if (request.path == "old.zarr/0/c.0.0.0") return {State::gone, {}, {}};
       if (request.path != "heat 1.zarr/0/c.0.0.0" && !request.path.starts_with("many.zarr/")) return {};
       return {State::ready, "application/octet-stream", "chunk"};
     };
@@ -46,6 +51,16 @@ struct RelayedRun {
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
     return {};
+  }
+
+  // Changes parameters, and waits for the answer.
+  [[nodiscard]] net::PostAnswer post(const std::string& path, const std::string& query) {
+    net::PostAnswer answer = relay.post({file + path, query, "Bearer wrong"});
+    for (int i = 0; answer.later && i < 10'000; ++i) {
+      if (auto ready = answer.later()) return std::move(*ready);
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    return answer;
   }
 
   ScratchFolder folder;
@@ -76,6 +91,7 @@ TEST_CASE("ssh: the server of a simulation is relayed through the file that name
   CHECK(run.get("/").mime == "model/vrml");
   CHECK(run.get("/heat 1.zarr/0/c.0.0.0").body == "chunk");
   CHECK(run.get("/other").state == State::none);
+  CHECK(run.get("/old.zarr/0/c.0.0.0").state == State::gone);
   CHECK(run.get("/", run.file + "/").state == State::ready);
   // A document in the folder must not reach the servers that live files in that folder name.
   CHECK(run.get("/", run.folder.path("")).state == State::none);
@@ -89,9 +105,40 @@ TEST_CASE("ssh: requests that nobody waits for any more do not block others") {
   CHECK(run.get("/heat 1.zarr/0/c.0.0.0").body == "chunk");
 }
 
+TEST_CASE("ssh: a simulation that does not answer a change does not block other requests") {
+  RelayedRun run;
+  // A socket that accepts connections in its queue, but never answers.
+  const net::Descriptor silent(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  REQUIRE(::bind(silent.get(), reinterpret_cast<const sockaddr*>(&address), size) == 0);
+  REQUIRE(::listen(silent.get(), 64) == 0);
+  REQUIRE(::getsockname(silent.get(), reinterpret_cast<sockaddr*>(&address), &size) == 0);
+  const std::string file = run.folder.path("silent.live");
+  REQUIRE_FALSE(net::write_live_file(file, {net::name_of_machine(), "127.0.0.1", ntohs(address.sin_port), run.token}));
+  const net::PostAnswer waits = run.relay.post({file + "/parameters", "feed=0.5", ""});
+  REQUIRE(waits.later);
+  CHECK_FALSE(waits.later());
+  CHECK(run.get("/heat 1.zarr/0/c.0.0.0").body == "chunk");
+  CHECK(run.post("/parameters", "feed=0.5").status == 200);
+  CHECK_FALSE(waits.later());
+  int refused = 0;
+  for (int i = 0; i < 20; ++i) refused += run.relay.post({file + "/parameters", "feed=0.5", ""}).status == 503 ? 1 : 0;
+  CHECK(refused > 0);
+}
+
+TEST_CASE("ssh: the relay does not follow a server to another one") {
+  RelayedRun run, other;
+  std::filesystem::create_directories(run.folder.path("folder"));
+  CHECK(run.get("/folder").state == State::none);  // the server redirects to "folder/"
+  CHECK(other.get("/").state == State::ready);
+}
+
 TEST_CASE("ssh: changes of parameters get the token of the file") {
   RelayedRun run;
-  CHECK(run.relay.post({run.file + "/parameters", "feed=0.5", "Bearer wrong"}).status == 200);
+  CHECK(run.post("/parameters", "feed=0.5").status == 200);
   CHECK(run.posted == "/parameters?feed=0.5 Bearer " + run.token);
   CHECK(run.relay.post({"/home/other", "feed=0.5", ""}).status == 405);
   CHECK(run.relay.post({"/home/none.live/parameters", "feed=0.5", ""}).status == 404);

@@ -24,6 +24,8 @@ std::function<double(std::size_t)> pixels(double seconds) {
 
 TEST_CASE("orders the qualities of pictures from fine to coarse") {
   CHECK(PictureDetail::kQualities[0] == PictureQuality{false, 1});
+  CHECK(PictureDetail::splat_error(0) == 1);
+  CHECK(PictureDetail::splat_error(1) > 10);
   for (std::size_t i = 1; i < PictureDetail::kQualities.size(); ++i) {
     CHECK(PictureDetail::kQualities[i].one_sample);
     CHECK(PictureDetail::kQualities[i].coarseness >= PictureDetail::kQualities[i - 1].coarseness);

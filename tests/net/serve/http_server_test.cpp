@@ -322,6 +322,27 @@ TEST_CASE("HTTP server: passes POST without a body to its owner, and refuses bod
   CHECK(site.get("/set?a=1", {"Host: evil.example"}, "POST").status == 421);
   CHECK(site.get("/set?a=1", {"Content-Length: 5"}, "POST").status == 413);
   CHECK(received.size() == 2);
+  // An answer that is not ready blocks no other request.
+  std::atomic<bool> ready{false};
+  site.options.post = [&](const PostRequest&) {
+    return PostAnswer{0, {}, [&]() -> std::optional<PostAnswer> {
+                        if (!ready) return std::nullopt;
+                        return PostAnswer{409, "too late"};
+                      }};
+  };
+  site.start();
+  std::thread client([&] {
+    const Got late = site.get("/set?a=1", {}, "POST");
+    CHECK(late.status == 409);
+    CHECK(late.body == "too late\n");
+  });
+  CHECK(site.get("/x").body == "file");
+  ready = true;
+  client.join();
+  site.options.content_wait = std::chrono::milliseconds(20);
+  ready = false;
+  site.start();
+  CHECK(site.get("/set?a=1", {}, "POST").status == 504);
   site.options.post = {};
   site.start();
   CHECK(site.get("/set?a=1", {}, "POST").status == 405);

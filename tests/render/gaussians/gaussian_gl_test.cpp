@@ -106,6 +106,30 @@ TEST_CASE("draws Gaussians with OpenGL as on the processor, from any direction")
     }
 }
 
+TEST_CASE("draws a Gaussian with its own opacity, whatever the factor of volumes") {
+  for (const float opacity : {0.02f, 0.3f, 0.6f, 0.9f}) {
+    qnv::Gaussians one = random_gaussians(1, 0, 1);
+    one.positions[0] = glm::vec3(0);
+    one.scales[0] = glm::vec3(0.5f);  // about 11 pixels
+    one.opacities[0] = opacity;
+    one.bases[0] = {1, 0.5f, 0};
+    const RenderList list = list_of(std::make_shared<const qnv::Gaussians>(one));
+    for (const float factor : {SplatStyle{}.opacity, 0.1f}) {
+      Picture picture(SortMethod::thread);
+      picture.look({0, 0, 3});
+      picture.options.splat_style.opacity = factor;
+      for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
+        const Pixels drawn = picture.drawn(list, path);
+        const std::uint8_t* const middle = drawn.data() + 4 * (30 * 80 + 40);
+        for (int k = 0; k < 3; ++k) {
+          const float wanted = kSky[k] + (one.bases[0][k] - kSky[k]) * opacity;
+          CHECK(static_cast<float>(middle[k]) == Approx(255 * wanted).margin(2));
+        }
+      }
+    }
+  }
+}
+
 TEST_CASE("draws many small, few large and antialiased Gaussians with OpenGL as on the processor") {
   check_same(list_of(scene(20'000, 0, 3)), {0, 0, 9});
   check_same(list_of(scene(1, 3, 5)));
@@ -140,7 +164,7 @@ TEST_CASE("draws several scenes of Gaussians in one order with OpenGL, clipped, 
   list.fog.visibility_range = 6;
   DrawOptions look;
   look.splat_style.clip = glm::vec4(0.5f, 0.5f, 0, 0.1f);
-  look.splat_style.opacity = 0.7f;
+  look.splat_style.opacity = 0.7f;  // of volumes
   for (const bool exponential : {false, true}) {
     list.fog.exponential = exponential;
     check_same(list, look, {0, 0, 3}, 1, [](Picture&) {});
@@ -181,6 +205,32 @@ TEST_CASE("hides Gaussians behind polygons with OpenGL, and veils polygons by th
       picture.polygon(slanted, {1, 1, 0});
       picture.polygon(near, {0, 1, 0});
     });
+}
+
+TEST_CASE(
+    "composites Gaussians of the processor without depths if nothing opaque is drawn, with any number of samples") {
+  const RenderList list = list_of(scene(60, 1, 9));
+  for (const int samples : {1, 4}) {
+    Picture picture(SortMethod::thread, samples);
+    picture.look({0, 0, 9});
+    const Pixels wanted = picture.drawn(list, SplatPath::cpu);
+    picture.clear(kSky, 25);
+    picture.gaussians->draw(list, picture.camera, picture.projection(), picture.options, picture.statistics, false);
+    const Pixels drawn = picture.read();
+    CHECK(drawn == wanted);
+    CHECK(!plain(drawn, kSky));
+    // A smaller part of the picture, which reuses the larger texture.
+    picture.clear(kSky, 25);
+    picture.options.x = 30;
+    picture.options.width = 40;
+    picture.options.height = 50;
+    picture.gaussians->draw(list, picture.camera, picture.projection(), picture.options, picture.statistics, false);
+    const Pixels part = picture.read();
+    picture.clear(kSky, 25);
+    picture.gaussians->draw(list, picture.camera, picture.projection(), picture.options, picture.statistics);
+    CHECK(part == picture.read());
+    CHECK(part != drawn);
+  }
 }
 
 TEST_CASE("draws Gaussians with reversed depth and with several samples without polygons, with OpenGL") {

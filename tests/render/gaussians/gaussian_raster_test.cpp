@@ -213,6 +213,35 @@ TEST_CASE("hides Gaussians behind the existing image, per sample") {
   CHECK(rasterize_gaussians({&item, 1}, view, {near, near}).edge_pixels.empty());
 }
 
+TEST_CASE("draws equal Gaussians without their depths, and reports the box of their pixels") {
+  qnv::Gaussians gaussians = random_gaussians(3000, 0, 17);
+  for (std::size_t i = 0; i < gaussians.size(); i += 7) gaussians.scales[i].z = 0;
+  const SplatView view = view_of(200, 150);
+  const GaussianItem item = item_of(gaussians, seen_from({0, 1, 12}));
+  const std::vector<float> near(200 * 150, 11.8f), far(200 * 150, 12.1f);
+  for (const VolumeStops& stops : {VolumeStops{}, VolumeStops{near, {}}, VolumeStops{near, far}}) {
+    const VolumeLayer whole = rasterize_gaussians({&item, 1}, view, stops),
+                      layer = rasterize_gaussians({&item, 1}, view, stops, false);
+    CHECK(layer.depth.empty());
+    CHECK(layer.pixels == whole.pixels);
+    CHECK(layer.edge_pixels == whole.edge_pixels);
+    const PixelBox box = layer.used;
+    CHECK(box.width < 150);
+    CHECK(box.height < 150);
+    std::size_t inside = 0, all = 0;
+    for (int y = 0; y < 150; ++y)
+      for (int x = 0; x < 200; ++x) {
+        const bool is_used = layer.pixels[4 * static_cast<std::size_t>(200 * y + x) + 3] != 0;
+        all += is_used ? 1 : 0;
+        inside += is_used && x >= box.left && x < box.left + box.width && y >= box.bottom && y < box.bottom + box.height
+                      ? 1
+                      : 0;
+      }
+    CHECK(all > 1000);
+    CHECK(inside == all);
+  }
+}
+
 TEST_CASE("draws equal Gaussians with any number of threads and both kernels") {
   qnv::Gaussians gaussians = random_gaussians(30000, 0, 13);
   for (std::size_t i = 0; i < gaussians.size(); i += 3) gaussians.scales[i].z = 0;

@@ -152,6 +152,7 @@ VolumeResult open_ome_level(DatasetTree& tree, const ZarrImage& image, const Zar
   spec.path = level.path;
   spec.title = image.name;
   spec.labels = image.labels;
+  if (!image.labels) read_value_attributes(tree, tree.arrays()[*array], spec);
   const std::vector<std::uint64_t>& shape = tree.arrays()[*array].shape;
   for (std::size_t i = 0; i < image.axes.size(); ++i) {
     GridAxis axis;

@@ -113,7 +113,7 @@ void apply_to_space(std::span<const double> numbers, GridSpec& spec, Apply apply
 
 }  // namespace
 
-void read_common_attributes(DatasetTree& tree, const ArrayInfo& array, GridSpec& spec) {
+void read_value_attributes(DatasetTree& tree, const ArrayInfo& array, GridSpec& spec) {
   const std::string& path = array.path;
   for (const char* const name : {"units", "unit", "Units", "Unit"})
     if (spec.unit.empty()) spec.unit = tree.text(path, name);
@@ -144,6 +144,12 @@ void read_common_attributes(DatasetTree& tree, const ArrayInfo& array, GridSpec&
   if (const auto most = tree.number(path, "valid_max")) spec.most = stored(*most);
   if (spec.least && !std::isfinite(*spec.least)) spec.least.reset();
   if (spec.most && !std::isfinite(*spec.most)) spec.most.reset();
+}
+
+void read_common_attributes(DatasetTree& tree, const ArrayInfo& array, GridSpec& spec) {
+  read_value_attributes(tree, array, spec);
+  const std::string& path = array.path;
+  const bool whole = array.type != NumberType::f32 && array.type != NumberType::f64;
   spec.labels = whole && spec.slope == 1 && spec.intercept == 0 && !tree.numbers(path, "flag_values").empty();
   static constexpr std::pair<const char*, const char*> kSpacings[] = {
       {"element_size_um", "um"}, {"element_size", ""}, {"spacing", ""},    {"voxel_size", ""},

@@ -2,8 +2,8 @@
 
 #include "app/formats/datasets/arrays/dataset_module.h"
 #include "app/formats/datasets/vtk/vtk_grid_arrays.h"
+#include "app/formats/vtk/bookkeeping.h"
 #include "app/formats/vtk/vtk_legacy.h"
-#include "app/formats/vtk/vtk_surface.h"
 
 #include <algorithm>
 #include <cmath>
@@ -93,7 +93,33 @@ class VtkDataFile final : public DatasetFile {
     build_poly_blocks(std::move(made), builder);
   }
 
+  /// Returns the files of a surface; see vtk_grid_files().
+  std::optional<VtkPartFiles> grid_files(std::size_t entry, const VoxelComponent& choice) {
+    const auto step = chosen_step(choice);
+    if (is_grid_ || std::holds_alternative<std::string>(step)) return std::nullopt;
+    VtkPartFiles grid;
+    if (entry < shown_.size()) grid.shown = shown_[entry];
+    const std::size_t number = std::get<std::size_t>(step);
+    for (const VtkBlock& block : number == 0 ? blocks_ : blocks_of(steps_[number]))
+      for (const VtkGridPiece& piece : block.files) {
+        const auto file = opened_leaf(piece.path);
+        if (!file || file->header.type != "UnstructuredGrid" || !is_whole(file->header)) return std::nullopt;
+        grid.files.push_back({piece.path, file->bytes.bytes.size(), file->header});
+        std::erase_if(grid.files.back().header.arrays, [&](const VtkArray& array) {
+          const bool shown = array.section == grid.shown.section && array.name == grid.shown.name;
+          return array.section != VtkSection::points && array.section != VtkSection::cells && !shown &&
+                 array.name != kGhostArray && array.name != kOldGhostArray;
+        });
+      }
+    return files_->missing().empty() ? std::optional(std::move(grid)) : std::nullopt;
+  }
+
  private:
+  /// Reports whether a header has all pieces and arrays of its file.
+  static bool is_whole(const VtkXmlHeader& header) {
+    constexpr std::size_t kMostArrays = 1000;  // of a header
+    return header.piece_count == header.pieces.size() && header.arrays.size() < kMostArrays;
+  }
   void read_block(const VtkBlock& block, const VtkShownArray& shown, const VoxelComponent& choice, MeshBuilder& builder,
                   PolyData& data) {
     VtkSurfaceReader reader(shown, choice, builder);
@@ -379,6 +405,14 @@ std::optional<std::string> unpack_vtk_block(VtkPacking packing, std::span<const 
   if (std::get<const DatasetModule*>(module)->unpack(lz4 ? ChunkCodec::lz4_block : ChunkCodec::xz, from, to))
     return std::nullopt;
   return std::string("a block is not valid ") + (lz4 ? "LZ4" : "LZMA") + " data";
+}
+
+std::optional<VtkPartFiles> vtk_grid_files(const VolumeFile& file) {
+  VtkDataFile opened(file);
+  if (!opened.list().empty()) return std::nullopt;
+  const auto entry = choose_dataset(opened.entries(), file.component.dataset);
+  const auto* const number = std::get_if<std::size_t>(&entry);
+  return number ? opened.grid_files(*number, file.component) : std::nullopt;
 }
 
 DatasetFileResult open_vtk_datasets(const VolumeFile& file) {

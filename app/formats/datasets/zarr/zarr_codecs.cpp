@@ -6,6 +6,7 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -22,7 +23,7 @@ using DecodedChunk = std::variant<std::vector<std::byte>, std::string>;
 std::string damaged_chunk(const char* codec) { return std::string("its bytes are not valid ") + codec + " data"; }
 
 bool is_zarr_compressor(ZarrCodec::Kind kind) {
-  return kind != ZarrCodec::Kind::crc32c && kind != ZarrCodec::Kind::shuffle;
+  return kind != ZarrCodec::Kind::crc32c && kind != ZarrCodec::Kind::shuffle && kind != ZarrCodec::Kind::delta;
 }
 
 /// Decompresses with a library of the module. Returns false without the module.
@@ -49,13 +50,14 @@ bool unpack_zarr(ZarrCodec::Kind kind, ZarrBytes from, std::span<std::byte> out)
       return unpack_with_module(ChunkCodec::xz, from, out);
     case ZarrCodec::Kind::crc32c:
     case ZarrCodec::Kind::shuffle:
+    case ZarrCodec::Kind::delta:
       break;
   }
   return false;
 }
 
 const char* name_of_codec(ZarrCodec::Kind kind) {
-  static constexpr const char* kNames[] = {"gzip", "zstd", "blosc", "lz4", "bzip2", "xz", "crc32c", "shuffle"};
+  static constexpr const char* kNames[] = {"gzip", "zstd", "blosc", "lz4", "bzip2", "xz", "crc32c", "shuffle", "delta"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 
@@ -66,6 +68,35 @@ std::vector<std::byte> unshuffled_bytes(ZarrBytes bytes, std::size_t element) {
   for (std::size_t i = 0; i < count; ++i)
     for (std::size_t k = 0; k < element; ++k) result[i * element + k] = bytes[k * count + i];
   return result;
+}
+
+/// Undoes the delta of numcodecs: each number becomes the sum of all numbers up to it, modulo 2^n.
+template <class Number>
+std::vector<std::byte> summed_numbers(ZarrBytes bytes, bool big_endian) {
+  const bool swap = sizeof(Number) > 1 && big_endian != (std::endian::native == std::endian::big);
+  const auto ordered = [swap](Number number) {
+    if (!swap) return number;
+    auto parts = std::bit_cast<std::array<std::byte, sizeof(Number)>>(number);
+    std::ranges::reverse(parts);
+    return std::bit_cast<Number>(parts);
+  };
+  std::vector<std::byte> result(bytes.begin(), bytes.end());
+  Number sum = 0;
+  for (std::size_t at = 0; at + sizeof(Number) <= result.size(); at += sizeof(Number)) {
+    Number one = 0;
+    std::memcpy(&one, &result[at], sizeof one);
+    sum = static_cast<Number>(sum + ordered(one));
+    one = ordered(sum);
+    std::memcpy(&result[at], &one, sizeof one);
+  }
+  return result;
+}
+
+std::vector<std::byte> undone_delta(ZarrBytes bytes, std::size_t element, bool big_endian) {
+  if (element == 8) return summed_numbers<std::uint64_t>(bytes, big_endian);
+  if (element == 4) return summed_numbers<std::uint32_t>(bytes, big_endian);
+  if (element == 2) return summed_numbers<std::uint16_t>(bytes, big_endian);
+  return summed_numbers<std::uint8_t>(bytes, big_endian);
 }
 
 /// Converts an IEEE 754 binary16 number.
@@ -134,6 +165,9 @@ DecodedChunk decode_zarr_chunk(const ZarrArray& array, ZarrBytes bytes, std::uin
       bytes = *content;
     } else if (codec.kind == ZarrCodec::Kind::shuffle) {
       held = unshuffled_bytes(bytes, codec.element);
+      bytes = held;
+    } else if (codec.kind == ZarrCodec::Kind::delta) {
+      held = undone_delta(bytes, codec.element, array.type.big_endian);
       bytes = held;
     } else {
       std::vector<std::byte> unpacked(sizes[i]);

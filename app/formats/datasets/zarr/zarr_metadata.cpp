@@ -126,7 +126,30 @@ void set_zarr_fill(ZarrArray& array, const json& value) {
   });
 }
 
+/// Returns the bytes of the whole numbers of the codec delta.
+std::size_t zarr_delta_bytes(const json& settings) {
+  const std::string type = zarr_text(zarr_member(settings, "dtype"));
+  const json& stored = zarr_member(settings, "astype");
+  if (type.size() != 3 || (type[1] != 'i' && type[1] != 'u') ||
+      std::string_view("1248").find(type[2]) == std::string_view::npos ||
+      (stored.is_string() && zarr_text(stored) != type))
+    throw BadZarrMetadata{"the codec delta has the type " + shown_in_message(zarr_member(settings, "dtype")) +
+                          "; expected whole numbers, such as <i2, and an equal astype"};
+  return static_cast<std::size_t>(type[2] - '0');
+}
+
+/// Checks that the codec delta applies to the elements of the array.
+void check_zarr_delta(const ZarrArray& array) {
+  const bool whole = array.type.stored != StoredType::f32 && array.type.stored != StoredType::f64;
+  for (std::size_t i = 0; i < array.codecs.size(); ++i)
+    if (array.codecs[i].kind == ZarrCodec::Kind::delta &&
+        (i > 0 || !whole || array.codecs[i].element != array.type.bytes()))
+      throw BadZarrMetadata{
+          "the codec delta does not fit the array; expected the type of the array, as the first codec"};
+}
+
 void check_zarr_array(const ZarrArray& array) {
+  check_zarr_delta(array);
   if (array.chunk.size() != array.shape.size())
     throw BadZarrMetadata{"its chunks have " + std::to_string(array.chunk.size()) + " dimensions; expected " +
                           std::to_string(array.shape.size()) + ", as the array"};
@@ -151,7 +174,7 @@ constexpr ZarrCodecName kZarrCodecs[] = {
     {"gzip", ZarrCodec::Kind::gzip},       {"zlib", ZarrCodec::Kind::gzip}, {"zstd", ZarrCodec::Kind::zstd},
     {"blosc", ZarrCodec::Kind::blosc},     {"lz4", ZarrCodec::Kind::lz4},   {"bz2", ZarrCodec::Kind::bzip2},
     {"bzip2", ZarrCodec::Kind::bzip2},     {"xz", ZarrCodec::Kind::xz},     {"crc32c", ZarrCodec::Kind::crc32c},
-    {"shuffle", ZarrCodec::Kind::shuffle}, {"lzma", ZarrCodec::Kind::xz}};
+    {"shuffle", ZarrCodec::Kind::shuffle}, {"lzma", ZarrCodec::Kind::xz},   {"delta", ZarrCodec::Kind::delta}};
 
 void add_zarr_codec(ZarrArray& array, const std::string& given, const json& settings) {
   std::string_view name = given;
@@ -167,6 +190,7 @@ void add_zarr_codec(ZarrArray& array, const std::string& given, const json& sett
     if (codec.element == 0 || codec.element > 256)
       throw BadZarrMetadata{"the codec shuffle has an invalid element size"};
   }
+  if (codec.kind == ZarrCodec::Kind::delta) codec.element = zarr_delta_bytes(settings);
   array.codecs.push_back(codec);
   array.codec_names += (array.codec_names.empty() ? "" : ", ") + std::string(name);
 }
@@ -237,6 +261,8 @@ void add_zarr_codecs(ZarrArray& array, const json& list, const ZarrTypeName& typ
       add_zarr_codecs(array, zarr_member(settings, "codecs"), type, true);
       array.codec_names = "shards of " + array.codec_names;
       has_bytes = true;
+    } else if (name == "numcodecs.delta" && !has_bytes) {
+      add_zarr_codec(array, name, settings);
     } else {
       if (!has_bytes)
         throw BadZarrMetadata{"the codec " + shown_in_message(json(name)) + " comes before the codec bytes"};

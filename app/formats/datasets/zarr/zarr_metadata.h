@@ -31,10 +31,11 @@ struct ZarrType {
   [[nodiscard]] std::size_t bytes() const { return size_of(stored) * components; }
 };
 
-/// Step of the encoding of a chunk that turns bytes into other bytes.
+/// Step of the encoding of a chunk that turns bytes into other bytes. `delta` stores the differences of neighbouring
+/// whole numbers.
 struct ZarrCodec {
-  enum class Kind : std::uint8_t { gzip, zstd, blosc, lz4, bzip2, xz, crc32c, shuffle } kind{};
-  std::size_t element = 1;  // shuffle: bytes of an element
+  enum class Kind : std::uint8_t { gzip, zstd, blosc, lz4, bzip2, xz, crc32c, shuffle, delta } kind{};
+  std::size_t element = 1;  // shuffle and delta: bytes of an element
 };
 
 /// Chunks inside of shards: each file of the array holds several chunks, with an index at its end or start.

@@ -18,7 +18,7 @@ extern "C" {
 #endif
 
 /* Version of this interface. A library of version N accepts programs that were compiled with an older version. */
-#define GS_INSITU_VERSION 2
+#define GS_INSITU_VERSION 3
 
 #if defined(__GNUC__)
 #define GS_INSITU_API __attribute__((visibility("default")))
@@ -121,6 +121,9 @@ typedef struct gs_insitu_communicator {
   int (*receive)(void* context, void* data, size_t bytes, int from, int tag);
 } gs_insitu_communicator;
 
+/* Default of max_share. */
+#define GS_INSITU_USUAL_SHARE (-1.0)
+
 /* Options of a session. gs_insitu_options_init() sets the defaults. All ranks pass equal options. */
 typedef struct gs_insitu_options {
   size_t size;            /* sizeof(gs_insitu_options) */
@@ -134,7 +137,9 @@ typedef struct gs_insitu_options {
   const char* field;      /* field to serve until a viewer chooses one; NULL: the first field */
   double error;           /* maximum error of each value, in its unit; 0 means that `relative_error` applies */
   double relative_error;  /* maximum error as a share of the range of the step's values; default 0.001 */
-  double max_share;       /* maximum share of run time that the library may take, e.g. 0.02; 0 means unlimited */
+  double max_share;       /* maximum share of run time that the library may take, e.g. 0.05; 0 means unlimited;
+                             default GS_INSITU_USUAL_SHARE: without serve or with folder unlimited; else 0.02 for grids of
+                             more than       65,536 points, and 0.1 for other data */
   int64_t every;          /* takes at most each n-th step; default 1 */
   uint64_t max_memory; /* bytes for data of a step on each rank; a larger grid is thinned by 2, 4, ... per axis, larger
                           sets of particles by any number; default 256 MiB */
@@ -164,7 +169,8 @@ typedef struct gs_insitu_statistics {
   size_t size;                    /* sizeof(gs_insitu_statistics), set by the caller */
   uint64_t steps, taken, skipped; /* numbers of begun steps, of taken steps, and of the other begun steps */
   double run_seconds;             /* wall time since gs_insitu_open() */
-  double own_seconds;             /* time in the library on this rank, plus CPU time of its background thread */
+  double own_seconds;             /* processor time of the library on this rank, on all of its threads, plus the time in
+                                     which it waited for other ranks and for files */
   double last_seconds;            /* from the end of the last taken step to its complete stream (rank 0) */
   uint64_t stream_bytes;          /* bytes of all streams (rank 0) */
   uint64_t sent_bytes;            /* bytes that this rank sent to others */
@@ -172,6 +178,7 @@ typedef struct gs_insitu_statistics {
   double max_error;  /* maximum error of the last taken step as its streams state it, in the unit of values (rank 0) */
   uint32_t thinning; /* the last taken step has every n-th point per axis; 1 means all (rank 0) */
   uint32_t reserved;
+  double processor_seconds; /* processor time of the library on this rank, on all of its threads. Since version 3 */
 } gs_insitu_statistics;
 
 typedef struct gs_insitu gs_insitu;

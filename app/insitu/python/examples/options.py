@@ -11,7 +11,8 @@ def parse(description, size):
     parser.add_argument("--serve", action="store_true", help="serve the newest step over HTTP")
     parser.add_argument("--port", type=int, default=0)
     parser.add_argument("--token-file", help="file for the token that changes parameters")
-    parser.add_argument("--share", type=float, default=0.0, help="maximum share of run time for the library")
+    parser.add_argument("--share", type=float, default=-1.0,
+                        help="maximum share of run time for the library; 0 means unlimited")
     parser.add_argument("--error", type=float, default=0.0, help="maximum error of each value")
     parser.add_argument("--mpi", action="store_true", help="use mpi4py")
     return parser.parse_args()

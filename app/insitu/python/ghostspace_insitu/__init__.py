@@ -114,7 +114,7 @@ class _Statistics(ctypes.Structure):
                 ("skipped", ctypes.c_uint64), ("run_seconds", ctypes.c_double), ("own_seconds", ctypes.c_double),
                 ("last_seconds", ctypes.c_double), ("stream_bytes", ctypes.c_uint64), ("sent_bytes", ctypes.c_uint64),
                 ("peak_bytes", ctypes.c_uint64), ("max_error", ctypes.c_double), ("thinning", ctypes.c_uint32),
-                ("reserved", ctypes.c_uint32)]
+                ("reserved", ctypes.c_uint32), ("processor_seconds", ctypes.c_double)]
 
 
 def library_path():

@@ -132,7 +132,7 @@ class CellGrid {
     for (const auto& triangle : triangles_) {
       CellTriangle& added = out.triangles.emplace_back();
       for (std::size_t k = 0; k < 3; ++k) added.key[k] = cells_[triangle[k]].key;
-      std::ranges::rotate(added.key, std::ranges::min_element(added.key));
+      std::rotate(added.key.begin(), std::ranges::min_element(added.key), added.key.end());
     }
     triangles_ = {};
     out.cells = std::move(cells_);

@@ -63,15 +63,15 @@ void SplatForest::add_cluster(std::span<const std::byte> payload) {
       auto models =
           parent && parent->models ? std::make_shared<SplatModels>(*parent->models) : std::make_shared<SplatModels>();
       std::vector<NodeOrigin> origins;
-      auto nodes = parents.empty() || (parent && !parent->models)
-                       ? std::nullopt
-                       : decode_nodes(packed->bytes, parents, parent != nullptr, *models, precision_,
-                                      degree_ > 0 ? &origins : nullptr);
-      const std::size_t size = nodes ? nodes->size() : 0;
+      std::vector<SplatNode> nodes;
+      const bool decoded = !parents.empty() && !(parent && !parent->models) &&
+                           decode_nodes(packed->bytes, parents, parent != nullptr, *models, precision_, nodes,
+                                        degree_ > 0 ? &origins : nullptr);
+      const std::size_t size = nodes.size();
       // Replaced Gaussians stay in memory, because other clusters may replace the rest of their cluster.
-      const bool full = nodes && (shown_ + size > most_ || (nodes_ + size) / 2 > most_);
+      const bool full = decoded && (shown_ + size > most_ || (nodes_ + size) / 2 > most_);
       count_.full = count_.full || full;
-      if (!nodes || full) {
+      if (!decoded || full) {
         ++count_.refused;
       } else {
         ++count_.taken;
@@ -87,13 +87,13 @@ void SplatForest::add_cluster(std::span<const std::byte> payload) {
           rooted_ = true;
         }
         HeldCluster& held = clusters_[packed->head.id];
-        held.inner = static_cast<std::size_t>(std::ranges::count(*nodes, false, &SplatNode::leaf));
+        held.inner = static_cast<std::size_t>(std::ranges::count(nodes, false, &SplatNode::leaf));
         held.level = packed->head.level;
         held.parent = packed->head.parent;
         for (NodeOrigin& origin : origins)
           origin.parent = static_cast<std::uint16_t>(origin.parent + packed->head.first);
         held.origins = std::move(origins);
-        held.nodes = std::move(*nodes);
+        held.nodes = std::move(nodes);
         held.replaced.resize(size);
         if (held.inner > 0) held.models = std::move(models);
         shown_ += size;
@@ -130,15 +130,14 @@ void SplatForest::add_harmonics(std::span<const std::byte> payload, bool coarse)
     ++count_.refused;
     return;
   }
-  BinaryDecoder decoder(packed->bytes);
-  Reader reader{decoder};
+  Reader reader{BinaryDecoder(packed->bytes)};
   HarmonicModels models;
   std::array<std::array<int, 3>, harmonic_count(Gaussians::kMaxDegree)> codes{};
   std::vector<glm::vec3> coefficients;
   std::vector<bool> own;  // other Gaussians inherit those of an ancestor
   for (std::size_t i = first; i < last; ++i) {
     own.push_back(code_harmonics(reader, models, degree_, codes) || !coarse);
-    if (decoder.exhausted()) break;
+    if (reader.coder.exhausted()) break;
     const double step = harmonic_step(held.nodes[nodes[i]], precision_);
     for (std::size_t k = 0; k < per; ++k) coefficients.push_back(glm::vec3(rgb_of(codes[k], step)));
   }

@@ -137,6 +137,15 @@ std::optional<OutgoingChunk> OrderedChunks::chunk(std::size_t i) const {
   const ChunkRecord& record = records_[order_[i]];
   std::vector<std::byte> bytes(record.bytes);
   if (!store_.read(record.offset, bytes)) return std::nullopt;
+  return packed(i, bytes);
+}
+
+std::optional<OutgoingChunk> OrderedChunks::outline(std::size_t i) const {
+  return packed(i, std::vector<std::byte>(records_[order_[i]].bytes));
+}
+
+OutgoingChunk OrderedChunks::packed(std::size_t i, std::span<const std::byte> bytes) const {
+  const ChunkRecord& record = records_[order_[i]];
   const bool root = record.parent == ClusterHead::kNoParent;
   const std::uint32_t parent = root ? record.parent : ids_[record.parent];
   OutgoingChunk chunk;

@@ -49,6 +49,13 @@ class ChunkRecords {
  public:
   /// `first_id` is the identifier of the first cluster; lower identifiers belong to other records.
   ChunkRecords(SharedStore& store, std::uint32_t first_id) : store_(store), first_id_(first_id) {}
+  /// Constructs records of another process from its records() and clusters().
+  ChunkRecords(SharedStore& store, std::uint32_t first_id, std::span<const ChunkRecord> records,
+               std::span<const std::uint32_t> clusters)
+      : store_(store),
+        first_id_(first_id),
+        records_(records.begin(), records.end()),
+        clusters_(clusters.begin(), clusters.end()) {}
 
   /// Adds a cluster and its harmonics. Returns false if the store is full.
   [[nodiscard]] bool add(const EncodedCluster& cluster, std::span<const EncodedHarmonics> harmonics, const Box& box);
@@ -57,6 +64,8 @@ class ChunkRecords {
   /// Appends the records to `all`. `clusters` has the indices of the clusters before `first_id` in `all`; the first
   /// call sets it.
   void append_to(std::vector<ChunkRecord>& all, std::vector<std::uint32_t>& clusters) const;
+  [[nodiscard]] std::span<const ChunkRecord> records() const { return records_; }
+  [[nodiscard]] std::span<const std::uint32_t> clusters() const { return clusters_; }
 
  private:
   SharedStore& store_;
@@ -74,8 +83,10 @@ class OrderedChunks final : public ChunkList {
 
   [[nodiscard]] std::size_t size() const override { return order_.size(); }
   [[nodiscard]] std::optional<OutgoingChunk> chunk(std::size_t i) const override;
+  [[nodiscard]] std::optional<OutgoingChunk> outline(std::size_t i) const override;
 
  private:
+  [[nodiscard]] OutgoingChunk packed(std::size_t i, std::span<const std::byte> bytes) const;
   void find_order(std::size_t most_vectors);
   void add_gains();
 

@@ -63,7 +63,7 @@ std::vector<EncodedHarmonics> encode_harmonics(const EncodedCluster& cluster, co
       if (cluster.nodes[i].leaf == leaves && cluster.places[i] != cluster.parents[i]) all.push_back(i);
     for (std::size_t first = 0; first < all.size();) {
       BinaryEncoder encoder;
-      Writer writer{encoder};
+      Writer writer{&encoder};
       HarmonicModels models;
       EncodedHarmonics chunk;
       chunk.type = leaves ? ChunkType::harmonics : ChunkType::coarse_harmonics;

@@ -1,6 +1,7 @@
 #include "qnv/codecs/gaussians/encode/part_tree.h"
 
 #include <algorithm>
+#include <cstring>
 #include <type_traits>
 #include <utility>
 
@@ -19,6 +20,37 @@ void append_splat(Gaussians& to, const Gaussians& from, std::size_t i) {
   to.opacities.push_back(from.opacities[i]);
   to.bases.push_back(from.bases[i]);
   for (std::size_t k = 0; k < per; ++k) to.harmonics.push_back(from.harmonics[i * per + k]);
+}
+
+template <class T>
+void append_list(std::vector<std::byte>& to, const std::vector<T>& list) {
+  const std::uint64_t count = list.size();
+  const auto head = std::as_bytes(std::span(&count, 1)), bytes = std::as_bytes(std::span(list));
+  to.insert(to.end(), head.begin(), head.end());
+  to.insert(to.end(), bytes.begin(), bytes.end());
+}
+
+template <class T>
+bool next_list(std::span<const std::byte>& from, std::vector<T>& list) {
+  std::uint64_t count = 0;
+  if (from.size() < sizeof count) return false;
+  std::memcpy(&count, from.data(), sizeof count);
+  from = from.subspan(sizeof count);
+  if (count > from.size() / sizeof(T)) return false;
+  list.resize(static_cast<std::size_t>(count));
+  const std::size_t bytes = list.size() * sizeof(T);
+  if (bytes > 0) std::memcpy(static_cast<void*>(list.data()), from.data(), bytes);
+  from = from.subspan(bytes);
+  return true;
+}
+
+/// Calls each(list) for all lists of a top.
+template <class Top, class Each>
+bool each_list(Top& top, const Each& each) {
+  auto& leaves = top.leaves;
+  return each(top.forest.nodes) && each(top.forest.roots) && each(top.places) && each(top.harmonics) &&
+         each(leaves.positions) && each(leaves.scales) && each(leaves.rotations) && each(leaves.opacities) &&
+         each(leaves.bases) && each(leaves.harmonics);
 }
 
 }  // namespace
@@ -82,6 +114,23 @@ PartTop top_of(const MergeTree& tree, const Gaussians& source, std::size_t most)
     top.harmonics.insert(top.harmonics.end(), own.begin(), own.end());
   }
   for (const std::uint32_t root : tree.roots()) top.forest.roots.push_back(at(root));
+  return top;
+}
+
+void append_top(std::vector<std::byte>& to, const PartTop& top) {
+  append_list(to, std::vector<int>{top.leaves.degree});
+  (void)each_list(top, [&](const auto& list) {
+    append_list(to, list);
+    return true;
+  });
+}
+
+std::optional<PartTop> next_top(std::span<const std::byte>& from) {
+  PartTop top;
+  std::vector<int> degree;
+  if (!next_list(from, degree) || degree.size() != 1) return std::nullopt;
+  top.leaves.degree = degree.front();
+  if (!each_list(top, [&](auto& list) { return next_list(from, list); })) return std::nullopt;
   return top;
 }
 

@@ -35,6 +35,10 @@ struct PartTop {
 /// Returns at most `most` nodes that cover the whole part, and all nodes above them. Starts from the roots; replaces
 /// the node with the largest error by its children until there are `most` nodes.
 [[nodiscard]] PartTop top_of(const MergeTree& tree, const Gaussians& source, std::size_t most);
+/// Appends the top of a part to bytes for another process of this program.
+void append_top(std::vector<std::byte>& to, const PartTop& top);
+/// Reads the next top from such bytes, and removes it from them. Returns nullopt if they are too short.
+[[nodiscard]] std::optional<PartTop> next_top(std::span<const std::byte>& from);
 
 /// Forest of the tops of all parts.
 struct TopForest {

@@ -3,6 +3,7 @@
 #include "qnv/codecs/gaussians/encode/part_tree.h"
 #include "qnv/codecs/gaussians/encode/splat_parts.h"
 #include "qnv/codecs/gaussians/encode/stream_plan.h"
+#include "qnv/codecs/shared/shared_records.h"
 
 #include <algorithm>
 #include <memory>
@@ -34,7 +35,14 @@ struct Part {
   std::unique_ptr<ChunkRecords> records;
 };
 
-/// Encoder of one scene.
+/// Splat of the sample.
+struct SampledSplat {
+  glm::vec3 position{0}, scales{0};
+  float opacity = 0;
+};
+
+/// Encoder of one scene. Each rank reads some runs of the source, and encodes some parts. All ranks encode the common
+/// tree, because the others would wait for its result.
 class PartedEncoder {
  public:
   PartedEncoder(const GaussianSource& source, std::size_t most, const EncodeOptions& options, Progress* progress)
@@ -42,16 +50,19 @@ class PartedEncoder {
         most_(std::max<std::size_t>(most, 1)),
         options_(options),
         progress_(progress),
-        store_(options.spill ? *options.spill : memory_) {}
+        shared_(options),
+        runs_(share_of(shared_.ranks(), std::max<std::size_t>(source.runs.size(), 1))),
+        store_(shared_.store()) {}
 
   std::variant<EncodedStream, EncodeError> run() {
-    begin_stage("reading", 2 * source_.count);
+    begin_stage("reading", 2 * source_.count / shared_.count());
     if (!survey() || !divide()) return problem();
-    begin_stage("encoding", 2 * source_.count);
-    if (!for_parts([this](std::size_t i) { return build_tree(i); })) return problem();
+    begin_stage("encoding", 2 * source_.count / shared_.count());
+    if (!agreed(for_parts([this](std::size_t i) { return build_tree(i); })) || !agreed(share_tops())) return problem();
     for (Part& part : parts_) top_.add(std::exchange(part.top, {}));
-    if (!encode_top()) return problem();
-    if (!for_parts([this](std::size_t i) { return encode_part(i); })) return problem();
+    if (!agreed(encode_top())) return problem();
+    if (!agreed(for_parts([this](std::size_t i) { return encode_part(i); }))) return problem();
+    share_records();
     std::vector<ChunkRecord> records;
     std::vector<std::uint32_t> clusters;
     top_records_.append_to(records, clusters);
@@ -77,6 +88,15 @@ class PartedEncoder {
     return problem_.value_or(EncodeError{"cannot read the splats"});
   }
 
+  /// Returns true if no rank failed. Otherwise keeps the problem of the first rank with one. Collective.
+  bool agreed(bool good) {
+    const auto failed = shared_.agree(good ? std::nullopt : std::optional(problem()));
+    if (!failed) return true;
+    const std::scoped_lock lock(mutex_);
+    problem_ = *failed;
+    return false;
+  }
+
   void begin_stage(const char* stage, std::uint64_t total) {
     if (!progress_) return;
     progress_->stage = stage;
@@ -87,26 +107,42 @@ class PartedEncoder {
     if (progress_) progress_->done += splats;
   }
 
-  /// Reads and checks all splats; finds their box, a sample and the plan.
+  /// Reads the splats of this rank's runs.
+  bool read_share(const std::function<bool(const Gaussians&)>& take) const {
+    if (source_.runs.empty()) return runs_.size() == 0 || source_.read(take);
+    for (std::uint64_t run = runs_.first; run < runs_.end; ++run)
+      if (!source_.read_run(run, take)) return false;
+    return true;
+  }
+
+  /// Reads and checks all splats; finds their box, a sample and the plan. Collective.
   bool survey() {
     const std::uint64_t every = std::max<std::uint64_t>(1, source_.count / kSampled);
-    Gaussians sample;
-    Box box;
+    std::vector<SampledSplat> own;
+    Box own_box;
     std::uint64_t read = 0;
-    const bool good = source_.read([&](const Gaussians& splats) {
+    for (std::size_t run = 0; run < std::min<std::size_t>(runs_.first, source_.runs.size()); ++run)
+      read += source_.runs[run];
+    const bool good = read_share([&](const Gaussians& splats) {
       if (is_cancelled(progress_)) return false;
       if (auto found = problem_of(splats, read)) return fail(std::move(*found));
       for (std::size_t i = 0; i < splats.size(); ++i, ++read) {
-        box.add(splats.positions[i]);
-        if (read % every != 0) continue;
-        sample.positions.push_back(splats.positions[i]);
-        sample.scales.push_back(splats.scales[i]);
-        sample.opacities.push_back(splats.opacities[i]);
+        own_box.add(splats.positions[i]);
+        if (read % every == 0) own.push_back({splats.positions[i], splats.scales[i], splats.opacities[i]});
       }
       advance(splats.size());
       return true;
     });
-    if (!good) return false;
+    if (!agreed(good)) return false;
+    Box box;
+    for (const Box& one : gather_records<Box>(shared_.ranks(), std::span(&own_box, 1))) box.add(one);
+    Gaussians sample;
+    for (const SampledSplat& one : gather_records<SampledSplat>(shared_.ranks(), own)) {
+      sample.positions.push_back(one.position);
+      sample.scales.push_back(one.scales);
+      sample.opacities.push_back(one.opacity);
+    }
+    own = {};
     if (sample.empty()) return fail({"the source has no Gaussians; expected at least one"});
     plan_ = plan_of(source_, sample, box, options_);
     const double share = kUsualShare * static_cast<double>(most_) / static_cast<double>(every);
@@ -114,24 +150,72 @@ class PartedEncoder {
     return true;
   }
 
-  /// Reads all splats, and stores them by parts.
+  /// Reads all splats, and stores them by parts. Collective.
   bool divide() {
-    PartWriter writer(*cells_, source_.degree, most_, store_);
-    const bool good = source_.read([&](const Gaussians& splats) {
+    PartWriter writer(*cells_, source_.degree, store_);
+    bool good = read_share([&](const Gaussians& splats) {
       if (is_cancelled(progress_)) return false;
       if (!writer.add(splats)) return fail_to_store();
       advance(splats.size());
       return true;
     });
-    if (!good) return false;
-    auto stored = writer.finish();
-    if (!stored) return fail_to_store();
-    parts_.resize(stored->size());
-    for (std::size_t i = 0; i < stored->size(); ++i) parts_[i].splats = std::move((*stored)[i]);
+    const auto blocks = good ? writer.finish() : std::nullopt;
+    if (good && (!blocks || !shared_.store().publish())) good = fail_to_store();
+    if (!agreed(good)) return false;
+    std::vector<StoredPart> stored =
+        parts_of(gather_records<CellBlock>(shared_.ranks(), *blocks), source_.degree, most_);
+    parts_.resize(stored.size());
+    for (std::size_t i = 0; i < stored.size(); ++i) parts_[i].splats = std::move(stored[i]);
+    own_ = share_of(shared_.ranks(), parts_.size());
     return true;
   }
 
-  /// Calls work(i) for all parts, several at a time if memory permits. Returns false once a call does.
+  /// Passes the tops of all parts to all ranks, through the store. Collective.
+  bool share_tops() {
+    if (shared_.count() == 1) return true;
+    std::vector<std::byte> own, all;
+    for (std::uint64_t i = own_.first; i < own_.end; ++i) append_top(own, parts_[i].top);
+    const auto failed = collect_bytes(shared_, own, true, [&](std::uint64_t bytes) {
+      all.resize(static_cast<std::size_t>(bytes));
+      return std::span(all);
+    });
+    if (failed) return fail(*failed);
+    std::span<const std::byte> rest = all;
+    for (Part& part : parts_) {
+      auto top = next_top(rest);
+      if (!top) return fail({"cannot pass data between processes"});
+      part.top = std::move(*top);
+    }
+    return true;
+  }
+
+  /// Passes the records of all parts to all ranks. Collective.
+  void share_records() {
+    if (shared_.count() == 1) return;
+    std::vector<std::uint32_t> counts, clusters;
+    std::vector<ChunkRecord> records;
+    for (std::uint64_t i = own_.first; i < own_.end; ++i) {
+      const ChunkRecords& own = *parts_[i].records;
+      counts.push_back(static_cast<std::uint32_t>(own.records().size()));
+      counts.push_back(static_cast<std::uint32_t>(own.clusters().size()));
+      records.insert(records.end(), own.records().begin(), own.records().end());
+      clusters.insert(clusters.end(), own.clusters().begin(), own.clusters().end());
+    }
+    counts = gather_records<std::uint32_t>(shared_.ranks(), counts);
+    records = gather_records<ChunkRecord>(shared_.ranks(), records);
+    clusters = gather_records<std::uint32_t>(shared_.ranks(), clusters);
+    std::span<const ChunkRecord> next = records;
+    std::span<const std::uint32_t> next_cluster = clusters;
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      const std::size_t of_part = counts[2 * i], clusters_of_part = counts[2 * i + 1];
+      parts_[i].records = std::make_unique<ChunkRecords>(store_, first_id_, next.first(of_part),
+                                                         next_cluster.first(clusters_of_part));
+      next = next.subspan(of_part);
+      next_cluster = next_cluster.subspan(clusters_of_part);
+    }
+  }
+
+  /// Calls work(i) for this rank's parts, several at a time if memory permits. Returns false once a call does.
   template <class Work>
   bool for_parts(const Work& work) {
     const std::size_t each = most_ * (kSplatBytes + kHarmonicBytes * harmonic_count(source_.degree));
@@ -140,9 +224,9 @@ class PartedEncoder {
     const auto threads = static_cast<unsigned>(std::min<std::size_t>(cores, fit));
     std::atomic<bool> good{true};
     const bool done = parallel_for(
-        parts_.size(),
+        static_cast<std::size_t>(own_.size()),
         [&](std::size_t i) {
-          if (good && !work(i)) good = false;
+          if (good && !work(static_cast<std::size_t>(own_.first) + i)) good = false;
         },
         threads, progress_);
     return done && good;
@@ -213,7 +297,8 @@ class PartedEncoder {
   std::size_t most_;
   const EncodeOptions& options_;
   Progress* progress_;
-  MemoryStore memory_;
+  EncodeRanks shared_;
+  RankShare runs_, own_;  // runs of the source, and parts, of this rank
   SharedStore store_;
   StreamPlan plan_;
   std::unique_ptr<SpaceCells> cells_;

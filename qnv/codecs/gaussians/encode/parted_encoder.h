@@ -8,7 +8,8 @@
 
 namespace gs::qnv::gaussians {
 
-/// Encodes Gaussians in parts of at most `most` splats. The result does not depend on the number of threads.
+/// Encodes Gaussians in parts of at most `most` splats. The result does not depend on the numbers of threads and of
+/// ranks.
 [[nodiscard]] std::variant<EncodedStream, EncodeError> encode_in_parts(const GaussianSource& source, std::size_t most,
                                                                        const EncodeOptions& options,
                                                                        Progress* progress);

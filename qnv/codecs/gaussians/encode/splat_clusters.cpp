@@ -180,7 +180,7 @@ class ClusterEncoder {
     cluster.head.first = static_cast<std::uint32_t>(from);
     cluster.head.count = static_cast<std::uint32_t>(to - from);
     BinaryEncoder encoder;
-    Writer writer{encoder};
+    Writer writer{&encoder};
     auto models = std::make_shared<SplatModels>(*open.models);
     std::vector<SplatCode> codes;
     for (std::size_t i = from; i < to; ++i) {
@@ -189,11 +189,9 @@ class ClusterEncoder {
         ++cluster.replaced;
         codes.clear();
         for (const std::uint32_t place : children[i]) codes.push_back(code_of(place, parent));
-        code_children(writer, *models, parent, !first, codes, precision_);
+        code_children(writer, *models, parent, !first, codes, precision_, cluster.nodes);
         cluster.gain += tree_[open.places[i]].error;
         for (std::size_t k = 0; k < codes.size(); ++k) {
-          const bool stays = !first && codes.size() == 1;
-          cluster.nodes.push_back(stays ? parent : node_of(parent, codes[k], precision_));
           cluster.places.push_back(children[i][k]);
           cluster.parents.push_back(first ? MergedNode::kNone : open.places[i]);
           cluster.gain -= tree_[children[i][k]].error;

@@ -37,8 +37,9 @@ std::uint32_t SpaceCells::divide(std::span<glm::vec3> positions, std::size_t mos
   const auto middle = positions.begin() + static_cast<std::ptrdiff_t>(positions.size() / 2);
   std::ranges::nth_element(positions, middle, {}, [axis](const glm::vec3& p) { return p[axis]; });
   const float at = (*middle)[axis];
-  const auto above = std::ranges::partition(positions, [&](const glm::vec3& p) { return p[axis] < at; });
-  const std::size_t below = positions.size() - above.size();
+  const auto above =
+      std::partition(positions.begin(), positions.end(), [&](const glm::vec3& p) { return p[axis] < at; });
+  const auto below = static_cast<std::size_t>(above - positions.begin());
   if (below == 0) return end_as_cell();  // half of the positions or more are equal along the longest axis
   const std::uint32_t first = divide(positions.first(below), most), second = divide(positions.subspan(below), most);
   planes_[own] = {axis, at, first, second};
@@ -52,46 +53,63 @@ std::size_t SpaceCells::cell_of(const glm::vec3& position) const {
   return planes_[at].below;
 }
 
-PartWriter::PartWriter(const SpaceCells& cells, int degree, std::size_t most, SharedStore& store)
-    : cells_(cells), per_(harmonic_count(degree)), most_(most), store_(store), open_(cells.size()) {}
+PartWriter::PartWriter(const SpaceCells& cells, int degree, SharedStore& store)
+    : cells_(cells), per_(harmonic_count(degree)), store_(store), open_(cells.size()) {}
 
-bool PartWriter::flush(Open& open) {
-  const std::size_t splats = open.floats.size() / floats_of(per_);
+bool PartWriter::flush(std::size_t cell) {
+  std::vector<float>& floats = open_[cell];
+  const std::size_t splats = floats.size() / floats_of(per_);
   if (splats == 0) return true;
-  const auto offset = store_.add(std::as_bytes(std::span(open.floats)));
+  const auto offset = store_.add(std::as_bytes(std::span(floats)));
   if (!offset) return false;
-  open.part.blocks.push_back({*offset, static_cast<std::uint32_t>(splats)});
-  open.floats.clear();
+  done_.push_back({*offset, static_cast<std::uint32_t>(cell), static_cast<std::uint32_t>(splats)});
+  floats.clear();
   return true;
 }
 
 bool PartWriter::add(const Gaussians& splats) {
   for (std::size_t i = 0; i < splats.size(); ++i) {
-    Open& open = open_[cells_.cell_of(splats.positions[i])];
-    const auto put = [&open](const auto& v, int count) {
-      for (int k = 0; k < count; ++k) open.floats.push_back(v[k]);
+    const std::size_t cell = cells_.cell_of(splats.positions[i]);
+    std::vector<float>& floats = open_[cell];
+    const auto put = [&floats](const auto& v, int count) {
+      for (int k = 0; k < count; ++k) floats.push_back(v[k]);
     };
     put(splats.positions[i], 3);
     put(splats.scales[i], 3);
     put(splats.rotations[i], 4);
-    open.floats.push_back(splats.opacities[i]);
+    floats.push_back(splats.opacities[i]);
     put(splats.bases[i], 3);
     for (std::size_t k = 0; k < per_; ++k) put(splats.harmonics[i * per_ + k], 3);
-    ++open.part.splats;
-    const bool full = open.part.splats == most_;
-    if ((full || open.floats.size() >= kBlockFloats) && !flush(open)) return false;
-    if (full) done_.push_back(std::exchange(open.part, {}));
+    if (floats.size() >= kBlockFloats && !flush(cell)) return false;
   }
   return true;
 }
 
-std::optional<std::vector<StoredPart>> PartWriter::finish() {
-  for (Open& open : open_) {
-    if (!flush(open)) return std::nullopt;
-    if (open.part.splats > 0) done_.push_back(std::move(open.part));
-    open = {};
+std::optional<std::vector<CellBlock>> PartWriter::finish() {
+  for (std::size_t cell = 0; cell < open_.size(); ++cell) {
+    if (!flush(cell)) return std::nullopt;
+    open_[cell] = {};
   }
   return std::move(done_);
+}
+
+std::vector<StoredPart> parts_of(std::vector<CellBlock> blocks, int degree, std::size_t most) {
+  std::ranges::stable_sort(blocks, {}, &CellBlock::cell);
+  const std::size_t bytes = floats_of(harmonic_count(degree)) * sizeof(float);
+  std::vector<StoredPart> parts;
+  std::uint32_t cell = 0;
+  for (CellBlock block : blocks)
+    while (block.splats > 0) {
+      if (parts.empty() || block.cell != cell || parts.back().splats == most) parts.emplace_back();
+      cell = block.cell;
+      StoredPart& part = parts.back();
+      const auto some = static_cast<std::uint32_t>(std::min<std::size_t>(block.splats, most - part.splats));
+      part.blocks.push_back({block.offset, some});
+      part.splats += some;
+      block.offset += some * bytes;
+      block.splats -= some;
+    }
+  return parts;
 }
 
 std::optional<Gaussians> read_part(const StoredPart& part, int degree, const SharedStore& store) {

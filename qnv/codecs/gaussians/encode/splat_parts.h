@@ -44,30 +44,35 @@ struct StoredPart {
   std::size_t splats = 0;
 };
 
-/// Writer of splats to a store, by parts. A part has the splats of one cell, at most `most`; a cell with more splats
-/// has several parts. One thread.
+/// Splats of one cell, consecutive in a store.
+struct CellBlock {
+  std::uint64_t offset = 0;
+  std::uint32_t cell = 0, splats = 0;
+};
+
+/// Writer of splats to a store, by cells. One thread.
 class PartWriter {
  public:
-  PartWriter(const SpaceCells& cells, int degree, std::size_t most, SharedStore& store);
+  PartWriter(const SpaceCells& cells, int degree, SharedStore& store);
 
   /// Adds splats. Returns false if the store is full.
   [[nodiscard]] bool add(const Gaussians& splats);
-  /// Ends the parts and returns them, or nullopt if the store is full.
-  [[nodiscard]] std::optional<std::vector<StoredPart>> finish();
+  /// Returns the blocks, those of a cell in the order of its splats, or nullopt if the store is full.
+  [[nodiscard]] std::optional<std::vector<CellBlock>> finish();
 
  private:
-  struct Open {
-    std::vector<float> floats;
-    StoredPart part;
-  };
-  bool flush(Open& open);
+  bool flush(std::size_t cell);
 
   const SpaceCells& cells_;
-  std::size_t per_, most_;  // coefficients of a splat; maximum splats of a part
+  std::size_t per_;  // coefficients of a splat
   SharedStore& store_;
-  std::vector<Open> open_;  // one per cell
-  std::vector<StoredPart> done_;
+  std::vector<std::vector<float>> open_;  // one per cell
+  std::vector<CellBlock> done_;
 };
+
+/// Returns the parts of a scene, in the order of the cells. A part has the splats of one cell, at most `most`; a cell
+/// with more splats has several parts. Parts depend only on the order of the splats of each cell.
+[[nodiscard]] std::vector<StoredPart> parts_of(std::vector<CellBlock> blocks, int degree, std::size_t most);
 
 /// Reads the splats of a part with their box. Returns nullopt if the store cannot be read.
 [[nodiscard]] std::optional<Gaussians> read_part(const StoredPart& part, int degree, const SharedStore& store);

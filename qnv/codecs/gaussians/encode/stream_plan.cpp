@@ -37,22 +37,6 @@ Precision precision_of(const Gaussians& source, const Box& box, float detail) {
   return precision;
 }
 
-/// Sink that counts the bytes and passes them to another sink.
-class CountingSink final : public StreamSink {
- public:
-  explicit CountingSink(StreamSink& sink) : sink_(sink) {}
-  bool write(std::span<const std::byte> bytes) override {
-    count_ += bytes.size();
-    return sink_.write(bytes);
-  }
-  bool rewrite_front(std::span<const std::byte> bytes) override { return sink_.rewrite_front(bytes); }
-  [[nodiscard]] std::uint64_t count() const { return count_; }
-
- private:
-  StreamSink& sink_;
-  std::uint64_t count_ = 0;
-};
-
 }  // namespace
 
 std::optional<EncodeError> problem_of(const Gaussians& splats, std::size_t first) {
@@ -106,16 +90,9 @@ bool encode_chunks(ClusterWork& work, std::vector<OpenRange> ranges, const MeanH
 
 std::variant<EncodedStream, EncodeError> write_chunks(StreamHeader header, std::vector<ChunkRecord> records,
                                                       const SharedStore& store, const EncodeOptions& options) {
-  EncodedStream stream;
-  MemorySink memory(stream.bytes);
-  CountingSink sink(options.sink ? *options.sink : memory);
   const Protection protection = options.parity ? equal_protection(options) : Protection{Protection::Kind::unequal};
   const OrderedChunks chunks(std::move(records), options.vectors, store);
-  auto written = write_stream(std::move(header), chunks, options.max_bytes, sink, protection);
-  if (auto* problem = std::get_if<EncodeError>(&written)) return std::move(*problem);
-  stream.header = std::move(std::get<StreamHeader>(written));
-  if (options.sink) stream.written = sink.count();
-  return stream;
+  return write_together(std::move(header), chunks, options, protection);
 }
 
 }  // namespace gs::qnv::gaussians

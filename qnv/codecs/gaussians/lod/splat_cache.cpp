@@ -3,15 +3,22 @@
 #include "base/parallel.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
+#include <iterator>
+#include <optional>
 #include <utility>
 
 namespace gs::qnv::gaussians {
 namespace {
 
-constexpr std::size_t kClustersPerTask = 8;
+// Maximum number of clusters of a task, and usual number of tasks in a loop.
+constexpr std::size_t kClustersPerTask = 8, kUsualTasks = 16;
 // States of clusters may use 1 / kStatePart of the memory.
 constexpr std::size_t kStatePart = 3;
+// Usual bytes of a state.
+constexpr std::size_t kTypicalState = 12'000;
 
 std::size_t bytes_of(const Gaussians& all) {
   return sizeof(Gaussians) + all.size() * (3 * sizeof(glm::vec3) + sizeof(glm::vec4) + sizeof(float)) +
@@ -28,17 +35,17 @@ SplatNode node_of_block(const Gaussians& all, std::size_t i, bool leaf) {
   return node;
 }
 
-}  // namespace
-
-void append_splat(const SplatNode& node, Gaussians& all) {
-  glm::vec3 scales;
+/// Writes a decoded Gaussian, without the harmonics, normal and weight, which views do not need.
+void put_splat(const SplatNode& node, Gaussians& all, std::size_t place) {
+  glm::vec3& scales = all.scales[place];
   for (int k = 0; k < 3; ++k) scales[k] = static_cast<float>(scale_of(node.scales[static_cast<std::size_t>(k)]));
-  all.positions.push_back(node.position);
-  all.scales.push_back(scales);
-  all.rotations.push_back(node.rotation);
-  all.opacities.push_back(static_cast<float>(opacity_of(node.opacity)));
-  all.bases.push_back(node.color);
+  all.positions[place] = node.position;
+  all.rotations[place] = node.rotation;
+  all.opacities[place] = static_cast<float>(opacity_of(node.opacity));
+  all.bases[place] = node.color;
 }
+
+}  // namespace
 
 std::uint32_t SplatCache::received_harmonics(std::uint32_t cluster) const {
   std::uint32_t count = 0;
@@ -48,7 +55,7 @@ std::uint32_t SplatCache::received_harmonics(std::uint32_t cluster) const {
   return count;
 }
 
-void SplatCache::put_harmonics(std::uint32_t cluster, const Entry& own, Gaussians& splats) const {
+void SplatCache::put_harmonics(std::uint32_t cluster, const Entry& own, Gaussians& splats) {
   const int degree = chunks_.header().gaussians.degree;
   const std::size_t per = harmonic_count(degree), inner = own.block.inner;
   std::vector<SplatNode> leaves, merged;
@@ -58,6 +65,7 @@ void SplatCache::put_harmonics(std::uint32_t cluster, const Entry& own, Gaussian
     else if (!own.origins[i].unchanged)
       merged.push_back(node_of_block(splats, i, false));
   const ClusterHarmonics found = chunks_.decode_harmonics(cluster, leaves, merged);
+  if (found.damaged) damaged_ = true;
   const Entry* const parent = entry(tree_[cluster].parent);
   const Gaussians* const above =
       parent && parent->block.splats && parent->block.splats->degree > 0 ? parent->block.splats.get() : nullptr;
@@ -80,47 +88,42 @@ void SplatCache::put_harmonics(std::uint32_t cluster, const Entry& own, Gaussian
   }
 }
 
-std::unique_ptr<SplatCache::Entry> SplatCache::made(std::uint32_t cluster, std::unique_ptr<SplatState> state) const {
+std::unique_ptr<SplatCache::Entry> SplatCache::made(std::uint32_t cluster, const DecodedCluster& decoded) {
   auto entry = std::make_unique<Entry>();
-  const std::size_t count = state->nodes.size();
+  const std::size_t count = decoded.nodes.size();
+  const auto inner = static_cast<std::size_t>(std::ranges::count(decoded.nodes, false, &SplatNode::leaf));
   auto splats = std::make_shared<Gaussians>();
-  splats->positions.reserve(count);
-  splats->scales.reserve(count);
-  splats->rotations.reserve(count);
-  splats->opacities.reserve(count);
-  splats->bases.reserve(count);
   splats->description.box = chunks_.header().description.box;  // renderers compare the distance to it
   splats->antialiased = chunks_.header().gaussians.antialiased;
-  std::vector<SplatNode> leaves;
-  std::vector<std::uint16_t> ranks{0};
-  std::vector<NodeOrigin> of_leaves;
-  const std::uint32_t above = tree_[cluster].parent;
+  splats->positions.resize(count);
+  splats->scales.resize(count);
+  splats->rotations.resize(count);
+  splats->opacities.resize(count);
+  splats->bases.resize(count);
+  entry->origins.resize(decoded.origins.size());
+  if (inner > 0) entry->ranks.resize(count + 1);
+  std::array<std::size_t, 2> next{0, inner};  // places of the next inner Gaussian and of the next leaf
   for (std::size_t i = 0; i < count; ++i) {
-    const SplatNode& node = state->nodes[i];
-    if (node.leaf)
-      leaves.push_back(node);
-    else
-      append_splat(node, *splats);
-    ranks.push_back(static_cast<std::uint16_t>(splats->size()));
-    if (state->origins.empty()) continue;
-    NodeOrigin origin = state->origins[i];
-    if (above != kNoCluster) origin.parent = entries_[above]->ranks[origin.parent];
-    (node.leaf ? of_leaves : entry->origins).push_back(origin);
+    const SplatNode& node = decoded.nodes[i];
+    const std::size_t place = next[node.leaf ? 1 : 0]++;
+    put_splat(node, *splats, place);
+    if (inner > 0) entry->ranks[i + 1] = static_cast<std::uint16_t>(next[0]);
+    if (!decoded.origins.empty()) entry->origins[place] = decoded.origins[i];
   }
-  entry->origins.insert(entry->origins.end(), of_leaves.begin(), of_leaves.end());
-  entry->block.inner = static_cast<std::uint32_t>(splats->size());
-  for (const SplatNode& leaf : leaves) append_splat(leaf, *splats);
+  entry->block.inner = static_cast<std::uint32_t>(inner);
   if (chunks_.header().gaussians.degree > 0) {
     entry->harmonics = received_harmonics(cluster);
     if (entry->harmonics > 0) put_harmonics(cluster, *entry, *splats);
   }
   entry->bytes = bytes_of(*splats) + sizeof(Entry) + entry->origins.size() * sizeof(NodeOrigin);
   entry->block.splats = std::move(splats);
-  if (entry->block.inner > 0) {
-    entry->ranks = std::move(ranks);
+  if (inner > 0) {
     entry->bytes += 2 * entry->ranks.size();
-    entry->state_bytes = sizeof(SplatState) + state->nodes.capacity() * sizeof(SplatNode);
-    entry->state = std::move(state);
+    std::vector<SplatNode> nodes;
+    nodes.reserve(inner);
+    std::ranges::copy_if(decoded.nodes, std::back_inserter(nodes), [](const SplatNode& node) { return !node.leaf; });
+    entry->state = std::make_unique<const SplatState>(std::move(nodes), StoredModels(decoded.models));
+    entry->state_bytes = entry->state->bytes();
   }
   return entry;
 }
@@ -134,7 +137,7 @@ void SplatCache::update_parents(std::span<const std::uint32_t> clusters) {
   std::ranges::sort(above, [&](std::uint32_t a, std::uint32_t b) {
     return tree_[a].level != tree_[b].level ? tree_[a].level < tree_[b].level : a < b;
   });
-  above.erase(std::ranges::unique(above).begin(), above.end());
+  above.erase(std::unique(above.begin(), above.end()), above.end());
   add_harmonics(above);
 }
 
@@ -145,18 +148,28 @@ void SplatCache::decode(std::vector<std::uint32_t> clusters, std::uint64_t now) 
   });
   update_parents(clusters);
   std::vector<std::unique_ptr<Entry>> results(clusters.size());
+  const auto decode_one = [&](std::size_t i, DecodedCluster& decoded) {
+    const SplatCluster& cluster = tree_[clusters[i]];
+    const Entry* const parent = cluster.parent == kNoCluster ? nullptr : entry(cluster.parent);
+    if (cluster.broken || (cluster.parent != kNoCluster && (!parent || !parent->state))) return;
+    const auto above = parent ? std::optional(SplatParent{*parent->state, parent->ranks}) : std::nullopt;
+    if (chunks_.decode(clusters[i], above ? &*above : nullptr, decoded)) results[i] = made(clusters[i], decoded);
+  };
   for (std::size_t first = 0, last = 0; first < clusters.size(); first = last) {
     while (last < clusters.size() && tree_[clusters[last]].level == tree_[clusters[first]].level) ++last;
-    parallel_for((last - first + kClustersPerTask - 1) / kClustersPerTask, [&](std::size_t task) {
-      const std::size_t begin = first + task * kClustersPerTask, end = std::min(last, begin + kClustersPerTask);
-      for (std::size_t i = begin; i < end; ++i) {
-        const SplatCluster& cluster = tree_[clusters[i]];
-        const Entry* const parent = cluster.parent == kNoCluster ? nullptr : entry(cluster.parent);
-        if (cluster.broken || (cluster.parent != kNoCluster && (!parent || !parent->state))) continue;
-        if (auto state = chunks_.decode(clusters[i], parent ? parent->state.get() : nullptr))
-          results[i] = made(clusters[i], std::move(state));
-      }
+    const std::size_t each = std::clamp<std::size_t>((last - first) / kUsualTasks, 1, kClustersPerTask);
+    parallel_for((last - first + each - 1) / each, [&](std::size_t task) {
+      const std::size_t begin = first + task * each, end = std::min(last, begin + each);
+      const auto decoded = std::make_unique<DecodedCluster>();
+      for (std::size_t i = begin; i < end; ++i) decode_one(i, *decoded);
     });
+    const bool lacks = std::any_of(results.begin() + static_cast<std::ptrdiff_t>(first),
+                                   results.begin() + static_cast<std::ptrdiff_t>(last), std::logical_not());
+    if (lacks && chunks_.restore()) {
+      const auto decoded = std::make_unique<DecodedCluster>();
+      for (std::size_t i = first; i < last; ++i)
+        if (!results[i]) decode_one(i, *decoded);
+    }
     for (std::size_t i = first; i < last; ++i) {
       const bool orphan = tree_[clusters[i]].parent != kNoCluster && tree_[tree_[clusters[i]].parent].broken;
       if (results[i])
@@ -165,6 +178,7 @@ void SplatCache::decode(std::vector<std::uint32_t> clusters, std::uint64_t now) 
         chunks_.reject(clusters[i], "a cluster of Gaussians is damaged and left out");
     }
   }
+  if (damaged_.exchange(false)) (void)chunks_.restore();
 }
 
 // Stores a decoded cluster. Notes its bounds and sizes in the tree, which keeps them after the data is dropped.
@@ -204,17 +218,24 @@ void SplatCache::size_up(std::uint32_t index) {
   cluster.replaced_to = fits ? parent.ranks[last] : 0;
   cluster.sized = true;
   const Gaussians& all = *parent.block.splats;
+  // Looks for overlaps first. The ranges below then belong to one child each, so that all of them are short.
+  if (!cover(cluster.parent, cluster.replaced_from, cluster.replaced_to)) {
+    if (!cluster.broken) chunks_.reject(index, "a cluster replaces Gaussians of another one, or none");
+    return;
+  }
   for (std::size_t i = cluster.replaced_from; i < cluster.replaced_to; ++i) {
     cluster.reach = std::max(cluster.reach, all.scales[i].x);
     cluster.size = std::max(cluster.size, all.scales[i].x * std::sqrt(all.opacities[i]));
   }
-  bool overlaps = cluster.replaced_from == cluster.replaced_to;  // replaces nothing
-  for (std::uint32_t i = tree_[cluster.parent].first_child; i != kNoCluster && !overlaps; i = tree_[i].next_sibling) {
-    const SplatCluster& other = tree_[i];
-    overlaps = i != index && other.sized && !other.broken && other.replaced_from < cluster.replaced_to &&
-               cluster.replaced_from < other.replaced_to;
-  }
-  if (overlaps && !cluster.broken) chunks_.reject(index, "a cluster replaces Gaussians of another one, or none");
+}
+
+bool SplatCache::cover(std::uint32_t parent, std::uint32_t from, std::uint32_t to) {
+  if (from == to) return false;
+  std::map<std::uint32_t, std::uint32_t>& ranges = covered_[parent];
+  const auto next = ranges.lower_bound(to);  // the first range behind this one
+  if (next != ranges.begin() && std::prev(next)->second > from) return false;
+  ranges.emplace_hint(next, from, to);
+  return true;
 }
 
 void SplatCache::add_harmonics(std::span<const std::uint32_t> clusters) {
@@ -246,7 +267,7 @@ void SplatCache::add_harmonics(std::span<const std::uint32_t> clusters) {
 }
 
 std::size_t SplatCache::most_at_once() const {
-  return std::max<std::size_t>(most_bytes_ / kStatePart / (2 * sizeof(SplatState)), 64);
+  return std::max<std::size_t>(most_bytes_ / kStatePart / kTypicalState, 64);
 }
 
 void SplatCache::pin(std::uint32_t cluster, std::uint64_t now) {

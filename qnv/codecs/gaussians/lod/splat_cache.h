@@ -4,16 +4,16 @@
 #include "qnv/base/geometry.h"
 #include "qnv/codecs/gaussians/lod/splat_chunks.h"
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 namespace gs::qnv::gaussians {
-
-/// Appends a decoded Gaussian without its harmonics, normal and weight, which views do not need.
-void append_splat(const SplatNode& node, Gaussians& all);
 
 /// Decoded clusters of a stream: Gaussians for drawing, and states for decoding children. Call from one thread; uses
 /// other threads internally.
@@ -74,8 +74,10 @@ class SplatCache : NonCopyable {
   /// Returns the number of received chunks of harmonics of a cluster and of its ancestors.
   [[nodiscard]] std::uint32_t received_harmonics(std::uint32_t cluster) const;
   /// Sets the harmonics of a block: own ones, else those of the parents if these are decoded.
-  void put_harmonics(std::uint32_t cluster, const Entry& own, Gaussians& splats) const;
-  [[nodiscard]] std::unique_ptr<Entry> made(std::uint32_t cluster, std::unique_ptr<SplatState> state) const;
+  void put_harmonics(std::uint32_t cluster, const Entry& own, Gaussians& splats);
+  /// Notes that a cluster replaces Gaussians of `parent`. Returns false if others replace some of them.
+  bool cover(std::uint32_t parent, std::uint32_t from, std::uint32_t to);
+  [[nodiscard]] std::unique_ptr<Entry> made(std::uint32_t cluster, const DecodedCluster& decoded);
   void update_parents(std::span<const std::uint32_t> clusters);
   void keep(std::uint32_t cluster, std::unique_ptr<Entry> made, std::uint64_t now);
   void drop_state(std::uint32_t cluster);
@@ -85,6 +87,9 @@ class SplatCache : NonCopyable {
   SplatTree& tree_;  // of chunks_
   std::size_t most_bytes_, bytes_ = 0, state_bytes_ = 0, splats_ = 0;
   std::vector<std::unique_ptr<Entry>> entries_;  // one per cluster
+  // Ranges that children replace, by parent: their ends by their beginnings. They do not overlap.
+  std::unordered_map<std::uint32_t, std::map<std::uint32_t, std::uint32_t>> covered_;
+  std::atomic<bool> damaged_ = false;  // a chunk of harmonics was damaged
 };
 
 }  // namespace gs::qnv::gaussians

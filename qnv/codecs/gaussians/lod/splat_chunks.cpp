@@ -13,6 +13,23 @@ constexpr std::size_t kSampledHeads = 8;  // number of chunks to compare with th
 constexpr std::size_t kBytesPerScan = std::size_t{1} << 18;
 // First offset of restored chunks: beyond the end of any stream, and beyond offsets of StreamFeed::add_loose().
 constexpr std::uint64_t kNowhere = std::uint64_t{1} << 63;
+// Maximum bytes of the chunks of a file that parity restores.
+constexpr std::size_t kPatchBytes = std::size_t{64} << 20;
+
+/// Source with restored chunks from the offset kNowhere on.
+class PatchedSource final : public ChunkSource {
+ public:
+  PatchedSource(std::shared_ptr<const ChunkSource> source, std::shared_ptr<const ArrivedChunks> patches)
+      : source_(std::move(source)), patches_(std::move(patches)) {}
+  [[nodiscard]] std::uint64_t size() const override { return source_->size(); }
+  [[nodiscard]] std::size_t read(std::uint64_t offset, std::span<std::byte> to) const override {
+    return offset < kNowhere ? source_->read(offset, to) : patches_->read(offset, to);
+  }
+
+ private:
+  std::shared_ptr<const ChunkSource> source_;
+  std::shared_ptr<const ArrivedChunks> patches_;
+};
 
 }  // namespace
 
@@ -34,6 +51,10 @@ SplatChunks::Opened SplatChunks::open(std::shared_ptr<const ChunkSource> source,
   auto* chunks = std::get_if<SplatChunks>(&opened);
   if (!chunks) return opened;
   chunks->source_ = std::move(source);
+  if (chunks->header_.parity) {
+    chunks->patches_ = std::make_shared<ArrivedChunks>(kPatchBytes);
+    chunks->source_ = std::make_shared<PatchedSource>(chunks->source_, chunks->patches_);
+  }
   if (trust_directory)
     chunks->read_directory_of_source();
   else
@@ -85,26 +106,62 @@ bool SplatChunks::directory_fits() const {
   for (std::size_t i = 0; i < tree_.size(); i += std::max<std::size_t>(1, tree_.size() / kSampledHeads))
     if (!fits(static_cast<std::uint32_t>(i))) return false;
   // The root cluster must decode, because every view needs it.
-  return decode(tree_.root(), nullptr) != nullptr;
+  return decode(tree_.root(), nullptr, *std::make_unique<DecodedCluster>());
 }
 
-// Reads the whole stream once, checks all checksums, and collects all chunks.
-void SplatChunks::scan() {
-  const StreamReader::OnChunk on_chunk = [this](ChunkType type, std::span<const std::byte> payload,
-                                                std::uint64_t offset) {
-    std::string why;
-    (void)note(type, payload, offset, why);
-    if (!why.empty()) problem(offset, std::move(why));
+// Reads the whole stream and checks all checksums. Passes on all sound chunks, and those that parity restores.
+void SplatChunks::read_all(const StreamReader::OnChunk& on_chunk) {
+  whole_ = true;
+  LostChunks lost;
+  const LostChunks::Take restored = [&](ChunkType type, std::span<const std::byte> payload) {
+    if (patches_->add(kNowhere + restored_, encode_chunk(type, payload)))
+      on_chunk(type, payload, kNowhere + restored_++);
+  };
+  const StreamReader::OnChunk take = [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
+    on_chunk(type, payload, offset);
+    if (!patches_) return;
+    if (type == ChunkType::parity)
+      (void)lost.add(payload, restored);
+    else if (type == ChunkType::gaussians || is_harmonics(type))
+      lost.keep(type, payload, restored);
   };
   StreamReader reader;
   std::vector<std::byte> piece(static_cast<std::size_t>(std::min<std::uint64_t>(kBytesPerScan, source_->size())));
   for (std::uint64_t at = 0;;) {
     const std::size_t count = source_->read(at, piece);
-    if (count == 0 || !reader.push(std::span(piece).first(count), on_chunk)) break;
+    if (count == 0 || !reader.push(std::span(piece).first(count), take)) break;
     at += count;
   }
-  reader.finish(on_chunk);
+  reader.finish(take);
   for (const StreamProblem& one : reader.problems()) problem(one.offset, one.message);
+}
+
+// Collects all chunks of the stream.
+void SplatChunks::scan() {
+  read_all([this](ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
+    std::string why;
+    (void)note(type, payload, offset, why);
+    if (!why.empty()) problem(offset, std::move(why));
+  });
+}
+
+bool SplatChunks::restore() {
+  if (!patches_ || whole_) return false;
+  const std::uint64_t before = restored_;
+  read_all([this](ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
+    std::string why;
+    if (offset < kNowhere) return;
+    if (is_harmonics(type)) {
+      (void)note(type, payload, offset, why);
+      return;
+    }
+    const auto packed = parse_cluster(payload);
+    const std::uint32_t index = packed ? tree_.find(packed->head.id) : kNoCluster;
+    if (index == kNoCluster || !tree_.note_head(index, packed->head)) return;
+    tree_.at(index).offset = offset;
+    tree_.at(index).bytes = static_cast<std::uint32_t>(kChunkHeaderBytes + payload.size());
+  });
+  return restored_ > before;
 }
 
 // Adds a chunk to the tree. Returns false if it is known, invalid or of another type; sets `why` if it is invalid.
@@ -125,7 +182,7 @@ bool SplatChunks::note(ChunkType type, std::span<const std::byte> payload, std::
     why = "a chunk of harmonics has an invalid head";
     return false;
   }
-  return tree_.arrive(packed->head, offset, bytes);
+  return tree_.arrive(packed->head, offset, bytes, why);
 }
 
 bool SplatChunks::push(std::span<const std::byte> bytes) {
@@ -200,40 +257,43 @@ bool SplatChunks::read_head(std::uint32_t index) {
   const SplatCluster& cluster = tree_[index];
   if (cluster.count > 0 || !cluster.present || cluster.broken) return !cluster.broken;
   std::vector<std::byte> buffer;
-  const auto chunk = read_chunk(*source_, cluster.offset, cluster.bytes, buffer);
-  const auto* sound = std::get_if<SoundChunk>(&chunk);
-  const auto packed = sound && sound->type == ChunkType::gaussians ? parse_cluster(sound->payload) : std::nullopt;
-  if (packed && tree_.note_head(index, packed->head)) return true;
+  do {
+    const auto chunk = read_chunk(*source_, cluster.offset, cluster.bytes, buffer);
+    const auto* sound = std::get_if<SoundChunk>(&chunk);
+    const auto packed = sound && sound->type == ChunkType::gaussians ? parse_cluster(sound->payload) : std::nullopt;
+    if (packed && tree_.note_head(index, packed->head)) return true;
+  } while (restore());
   reject(index, "a cluster is damaged, or contradicts the directory");
   return false;
 }
 
-std::unique_ptr<SplatState> SplatChunks::decode(std::uint32_t index, const SplatState* parent) const {
+bool SplatChunks::decode(std::uint32_t index, const SplatParent* parent, DecodedCluster& to) const {
   const SplatCluster& cluster = tree_[index];
-  std::vector<std::byte> buffer;
-  const auto chunk = read_chunk(*source_, cluster.offset, cluster.bytes, buffer);
+  const auto chunk = read_chunk(*source_, cluster.offset, cluster.bytes, to.chunk);
   const auto* sound = std::get_if<SoundChunk>(&chunk);
-  if (!sound || sound->type != ChunkType::gaussians) return nullptr;
+  if (!sound || sound->type != ChunkType::gaussians) return false;
   const auto packed = parse_cluster(sound->payload);
   const bool is_root = cluster.parent == kNoCluster;
   if (!packed || packed->head.id != cluster.id || is_root != (packed->head.parent == ClusterHead::kNoParent) ||
       is_root == (parent != nullptr))
-    return nullptr;
-  if (parent && (std::size_t{packed->head.first} + packed->head.count > parent->nodes.size() ||
-                 tree_[cluster.parent].id != packed->head.parent))
-    return nullptr;
-  auto state = std::make_unique<SplatState>();
+    return false;
+  const std::size_t first = packed->head.first, last = first + packed->head.count;
+  if (parent && (last >= parent->ranks.size() || tree_[cluster.parent].id != packed->head.parent)) return false;
   const SplatNode root = root_node(precision_.box);
-  const std::span<const SplatNode> parents =
-      parent ? std::span(parent->nodes).subspan(packed->head.first, packed->head.count) : std::span(&root, 1);
-  if (parent) state->models = parent->models;
-  auto nodes = decode_nodes(packed->bytes, parents, parent != nullptr, state->models, precision_,
-                            header_.gaussians.degree > 0 ? &state->origins : nullptr);
-  if (!nodes) return nullptr;
-  for (NodeOrigin& origin : state->origins)
-    origin.parent = static_cast<std::uint16_t>(origin.parent + packed->head.first);
-  state->nodes = std::move(*nodes);
-  return state;
+  std::span<const SplatNode> parents(&root, 1);
+  std::size_t before = 0;  // number of inner Gaussians of the parent before those that this cluster replaces
+  if (parent) {
+    before = parent->ranks[first];
+    parents = std::span(parent->state.inner).subspan(before, parent->ranks[last] - before);
+    parent->state.models.load(to.models);
+  } else {
+    to.models = SplatModels();
+  }
+  if (!decode_nodes(packed->bytes, parents, parent != nullptr, to.models, precision_, to.nodes,
+                    header_.gaussians.degree > 0 ? &to.origins : nullptr))
+    return false;
+  for (NodeOrigin& origin : to.origins) origin.parent = static_cast<std::uint16_t>(origin.parent + before);
+  return true;
 }
 
 ClusterHarmonics SplatChunks::decode_harmonics(std::uint32_t index, std::span<const SplatNode> leaves,
@@ -248,23 +308,23 @@ ClusterHarmonics SplatChunks::decode_harmonics(std::uint32_t index, std::span<co
     const auto chunk = read_chunk(*source_, place.offset, place.bytes, buffer);
     const auto* sound = std::get_if<SoundChunk>(&chunk);
     const auto packed = sound && is_harmonics(sound->type) ? parse_harmonics(sound->payload) : std::nullopt;
+    all.damaged = all.damaged || !sound;
     if (!packed || packed->head.cluster != tree_[index].id) continue;
     const bool coarse = sound->type == ChunkType::coarse_harmonics;
     const std::span<const SplatNode> nodes = coarse ? merged : leaves;
     const std::size_t first = packed->head.first, last = first + packed->head.count;
     if (last > nodes.size()) continue;
-    BinaryDecoder decoder(packed->bytes);
-    Reader reader{decoder};
+    Reader reader{BinaryDecoder(packed->bytes)};
     HarmonicModels models;
     std::array<std::array<int, 3>, harmonic_count(Gaussians::kMaxDegree)> codes{};
     std::vector<glm::vec3> own;
     std::vector<bool> has_own;  // other Gaussians inherit those of an ancestor
-    for (std::size_t k = first; k < last && !decoder.exhausted(); ++k) {
+    for (std::size_t k = first; k < last && !reader.coder.exhausted(); ++k) {
       has_own.push_back(code_harmonics(reader, models, degree, codes) || !coarse);
       const double step = harmonic_step(nodes[k], precision_);
       for (std::size_t c = 0; c < per; ++c) own.push_back(glm::vec3(rgb_of(codes[c], step)));
     }
-    if (decoder.exhausted() || own.size() != per * (last - first)) continue;
+    if (reader.coder.exhausted() || own.size() != per * (last - first)) continue;
     std::vector<glm::vec3>& values = coarse ? all.merged : all.leaves;
     std::vector<bool>& known = coarse ? all.known_merged : all.known_leaves;
     values.resize(per * nodes.size());

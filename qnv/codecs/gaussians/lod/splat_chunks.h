@@ -1,6 +1,7 @@
 #pragma once
 
 #include "qnv/codecs/gaussians/lod/splat_tree.h"
+#include "qnv/codecs/gaussians/lod/stored_models.h"
 #include "qnv/codecs/gaussians/splat_code.h"
 #include "qnv/codecs/gaussians/splat_models.h"
 #include "qnv/codecs/octree/lod/lod_source.h"
@@ -20,15 +21,33 @@ namespace gs::qnv::gaussians {
 
 /// Data of a cluster that decoding its children requires.
 struct SplatState {
+  std::vector<SplatNode> inner;  // Gaussians that children may replace, in the order of the stream
+  StoredModels models;           // at the end of the cluster
+
+  [[nodiscard]] std::size_t bytes() const {
+    return sizeof(SplatState) + inner.capacity() * sizeof(SplatNode) + models.bytes();
+  }
+};
+
+/// Decoded parent of a cluster.
+struct SplatParent {
+  const SplatState& state;
+  std::span<const std::uint16_t> ranks;  // number of inner Gaussians before each Gaussian, and of all
+};
+
+/// Decoded cluster. Decoding several clusters one after another needs only one.
+struct DecodedCluster {
   std::vector<SplatNode> nodes;     // in the order of the stream
-  std::vector<NodeOrigin> origins;  // parents are indices in the parent cluster; empty without harmonics
+  std::vector<NodeOrigin> origins;  // parents are indices in SplatState::inner; empty without harmonics
   SplatModels models;               // at the end of the cluster
+  std::vector<std::byte> chunk;
 };
 
 /// Harmonics of a cluster, as received. The arrays have harmonic_count() coefficients per Gaussian, or are empty.
 struct ClusterHarmonics {
   std::vector<glm::vec3> leaves, merged;
   std::vector<bool> known_leaves, known_merged;  // one per Gaussian: has received harmonics; empty if none has
+  bool damaged = false;                          // a chunk is damaged
 };
 
 /// Chunks of a stream of Gaussians, and the tree of their clusters. The stream is in memory, in a file, or still
@@ -51,13 +70,16 @@ class SplatChunks {
 
   /// Reads the head of a received cluster if it is not known. Returns false if that fails; the cluster is then broken.
   bool read_head(std::uint32_t cluster);
-  /// Decodes a received cluster. `parent` is the state of its parent; null for the root. Returns null if the bytes are
-  /// invalid. May run in several threads at once.
-  [[nodiscard]] std::unique_ptr<SplatState> decode(std::uint32_t cluster, const SplatState* parent) const;
+  /// Decodes a received cluster. `parent` is null for the root. Returns false if the bytes are invalid. May run in
+  /// several threads at once.
+  [[nodiscard]] bool decode(std::uint32_t cluster, const SplatParent* parent, DecodedCluster& to) const;
   /// Decodes the received harmonics of a cluster. `leaves` are its leaves, and `merged` its other Gaussians except
   /// unchanged ones, both in the order of the stream.
   [[nodiscard]] ClusterHarmonics decode_harmonics(std::uint32_t cluster, std::span<const SplatNode> leaves,
                                                   std::span<const SplatNode> merged) const;
+
+  /// Restores damaged chunks of a file by parity. Reads the whole file, but only once. Returns true if it restored any.
+  bool restore();
 
   /// Received chunk, for decoders of the whole stream.
   struct Received {
@@ -83,6 +105,7 @@ class SplatChunks {
   [[nodiscard]] static Opened make(std::variant<StreamHeader, StreamProblem> read);
   void read_directory_of_source();
   [[nodiscard]] bool directory_fits() const;
+  void read_all(const StreamReader::OnChunk& on_chunk);
   void scan();
   bool take(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset);
   bool store(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset);
@@ -95,6 +118,8 @@ class SplatChunks {
   SplatTree tree_;
   std::shared_ptr<const ChunkSource> source_;
   std::shared_ptr<ArrivedChunks> arrived_;  // source_ of a growing stream, else null
+  std::shared_ptr<ArrivedChunks> patches_;  // restored chunks of a source with parity, else null
+  bool whole_ = false;                      // all chunks of the source were read once
   StreamReader reader_;
   LostChunks lost_;  // of a growing stream
   std::uint64_t restored_ = 0;

@@ -8,6 +8,8 @@ namespace {
 constexpr std::uint32_t kTypicalBytes = 8;  // of a Gaussian
 // Maximum number of chunks of harmonics of a cluster. Encoders need fewer, because they fill most chunks.
 constexpr std::uint16_t kMostHarmonics = 1024;
+// Maximum number of chunks of harmonics that wait for their clusters, and maximum number of clusters.
+constexpr std::size_t kMostWaiting = std::size_t{1} << 16, kMostClusters = std::size_t{1} << 22;
 
 }  // namespace
 
@@ -31,6 +33,14 @@ void SplatTree::describe(std::uint32_t index, std::uint64_t offset, std::uint32_
   orphans_.erase(first, last);
   std::ranges::sort(children);
   for (const std::uint32_t child : children) attach(child, index);
+  const auto [first_chunk, last_chunk] = waiting_.equal_range(cluster.id);
+  for (auto chunk = first_chunk; chunk != last_chunk; ++chunk) (void)add_harmonics(index, chunk->second);
+  waiting_.erase(first_chunk, last_chunk);
+}
+
+std::uint32_t SplatTree::find(std::uint32_t id) const {
+  const auto found = indices_.find(id);
+  return found == indices_.end() ? kNoCluster : found->second;
 }
 
 void SplatTree::link(std::uint32_t cluster, std::uint32_t parent_id) {
@@ -137,6 +147,10 @@ std::uint32_t SplatTree::arrive(const ClusterHead& head, std::uint64_t offset, s
     why = "a cluster has level " + std::to_string(head.level) + "; expected less than 255";
     return kNoCluster;
   }
+  if (clusters_.size() == kMostClusters && find(head.id) == kNoCluster) {
+    why = "a stream has more than " + std::to_string(kMostClusters) + " clusters";
+    return kNoCluster;
+  }
   const std::uint32_t index = make(head.id);
   if (clusters_[index].present) return index;
   if (clusters_[index].bytes == 0) {  // not in a directory
@@ -160,12 +174,20 @@ std::uint32_t SplatTree::arrive(const ClusterHead& head, std::uint64_t offset, s
   return index;
 }
 
-bool SplatTree::arrive(const HarmonicsHead& head, std::uint64_t offset, std::uint32_t bytes) {
-  // Creates the cluster if necessary. Harmonics stay unused if the cluster is never received.
-  const std::uint32_t index = make(head.cluster);
+bool SplatTree::arrive(const HarmonicsHead& head, std::uint64_t offset, std::uint32_t bytes, std::string& why) {
+  const HarmonicsChunk chunk{offset, bytes, kNoCluster, true};
+  const std::uint32_t index = find(head.cluster);
+  if (index == kNoCluster) {
+    if (waiting_.size() == kMostWaiting) {
+      why = "a chunk of harmonics is left out, because too many wait for their clusters";
+      return false;
+    }
+    waiting_.emplace(head.cluster, chunk);
+    return true;
+  }
   for (std::uint32_t i = clusters_[index].harmonics; i != kNoCluster; i = harmonics_[i].next)
     if (harmonics_[i].offset == offset && harmonics_[i].present) return false;
-  return add_harmonics(index, {offset, bytes, kNoCluster, true});
+  return add_harmonics(index, chunk);
 }
 
 }  // namespace gs::qnv::gaussians

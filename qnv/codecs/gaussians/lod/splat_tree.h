@@ -67,12 +67,15 @@ class SplatTree {
   /// Adds the cluster of a received chunk. Returns its index, or kNoCluster if it contradicts others; `why` then has
   /// the reason.
   std::uint32_t arrive(const ClusterHead& head, std::uint64_t offset, std::uint32_t bytes, std::string& why);
-  /// Adds a received chunk of harmonics. Returns false if it was received before, or if the cluster has too many.
-  bool arrive(const HarmonicsHead& head, std::uint64_t offset, std::uint32_t bytes);
+  /// Adds a received chunk of harmonics. It may precede its cluster. Returns false if it was received before, or if the
+  /// cluster has too many. Also returns false if too many chunks wait for unknown clusters; `why` then has the reason.
+  bool arrive(const HarmonicsHead& head, std::uint64_t offset, std::uint32_t bytes, std::string& why);
   /// Notes the head of a cluster. Returns false and marks it as broken if the head contradicts the directory.
   bool note_head(std::uint32_t cluster, const ClusterHead& head);
 
   [[nodiscard]] std::uint32_t root() const { return root_; }
+  /// Returns the index of the cluster with an identifier, or kNoCluster.
+  [[nodiscard]] std::uint32_t find(std::uint32_t id) const;
   [[nodiscard]] std::size_t size() const { return clusters_.size(); }
   [[nodiscard]] std::size_t present() const { return present_; }
   [[nodiscard]] const SplatCluster& operator[](std::uint32_t cluster) const { return clusters_[cluster]; }
@@ -92,8 +95,9 @@ class SplatTree {
 
   std::vector<SplatCluster> clusters_;
   std::vector<HarmonicsChunk> harmonics_;
-  std::unordered_map<std::uint32_t, std::uint32_t> indices_;       // by identifier
-  std::unordered_multimap<std::uint32_t, std::uint32_t> orphans_;  // by the identifier of their unknown parent
+  std::unordered_map<std::uint32_t, std::uint32_t> indices_;        // by identifier
+  std::unordered_multimap<std::uint32_t, std::uint32_t> orphans_;   // by the identifier of their unknown parent
+  std::unordered_multimap<std::uint32_t, HarmonicsChunk> waiting_;  // by the identifier of their unknown cluster
   std::uint32_t root_ = kNoCluster;
   std::size_t present_ = 0;
 };

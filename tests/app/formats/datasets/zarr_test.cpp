@@ -243,6 +243,30 @@ TEST_CASE("zarr: Transposed chunks, halves, complex numbers and N5 blocks are re
   CHECK(all_of<std::uint16_t>(*n5) == std::vector<std::uint16_t>{7, 8, 0, 0, 0, 0});
 }
 
+TEST_CASE("zarr: the codec delta gives the sums of differences, in each byte order") {
+  const std::string delta = "{\"name\":\"numcodecs.delta\",\"configuration\":{\"dtype\":\"<i2\",\"astype\":\"<i2\"}}";
+  const auto metadata = [&](const std::string& endian) {
+    return v3("[4]", "[4]", "int16",
+              "[" + delta + ",{\"name\":\"bytes\",\"configuration\":{\"endian\":\"" + endian + "\"}}]");
+  };
+  const std::vector<std::int16_t> expected{5, -1, 32767, -32768};
+  CHECK(all_of<std::int16_t>(*opened({{"zarr.json", metadata("little")},
+                                      {"c/0", bytes_of_numbers<std::int16_t>({5, -6, -32768, 1})}})) == expected);
+  CHECK(all_of<std::int16_t>(
+            *opened({{"zarr.json", metadata("big")}, {"c/0", std::string("\0\5\xff\xfa\x80\0\0\1", 8)}})) == expected);
+  std::string second = v2("[3]", "[3]", "|u1");
+  second.replace(second.find("\"filters\":null"), 14, "\"filters\":[{\"id\":\"delta\",\"dtype\":\"|u1\"}]");
+  CHECK(all_of<std::uint8_t>(*opened({{".zarray", second}, {"0", std::string("\3\377\2")}})) ==
+        std::vector<std::uint8_t>{3, 2, 4});
+  for (const char* const type : {"<i4", "<f2", "<i3", "", "<i22"}) {
+    INFO(type);
+    std::string other = metadata("little");
+    for (std::size_t at = other.find("<i2"); at != std::string::npos; at = other.find("<i2"))
+      other.replace(at, 3, type);
+    CHECK(opened({{"zarr.json", other}})->arrays().front().problem.find("delta") != std::string::npos);
+  }
+}
+
 TEST_CASE("zarr: Hostile metadata give one reason each") {
   const std::pair<std::string, std::string> cases[] = {
       {v2("[-1]", "[1]", "<i2"), "shape"},
@@ -269,6 +293,7 @@ TEST_CASE("zarr: Hostile metadata give one reason each") {
        {"[]", "[{\"name\":\"zstd\"}]",
         "[{\"name\":\"transpose\",\"configuration\":{\"order\":[0,0]}},{\"name\":\"bytes\"}]",
         "[{\"name\":\"bytes\"},{\"name\":\"transpose\"}]",
+        "[{\"name\":\"bytes\"},{\"name\":\"numcodecs.delta\",\"configuration\":{\"dtype\":\"|i1\"}}]",
         "[{\"name\":\"sharding_indexed\",\"configuration\":{\"chunk_shape\":[3],\"codecs\":[{\"name\":\"bytes\"}]}}]",
         "[{\"name\":\"sharding_indexed\",\"configuration\":{\"chunk_shape\":[4]}}]"}) {
     INFO(codecs);

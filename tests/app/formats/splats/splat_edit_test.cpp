@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <string>
 #include <vector>
@@ -34,25 +35,39 @@ glm::vec3 color(const Gaussians& splats, std::size_t i, const glm::vec3& directi
   return render::gaussian_color(splats.bases[i], splats.harmonics.data() + i * per, splats.degree, direction);
 }
 
-TEST_CASE("crops splats by box and sphere, and keeps their order") {
+TEST_CASE("keeps the splats in any region to keep, except those in regions to remove, in their order") {
   const Gaussians all = random_gaussians(500, 1);
-  SplatEdit edit;
-  edit.box = SplatBox{{-1, -0.5, -2}, {1, 1.5, 0.5}};
-  edit.ball = SplatBall{{0.2, 0, 0}, 1.2};
-  for (const bool outside : {false, true}) {
-    edit.outside = outside;
+  const SplatBox box{{-1, -0.5, -2}, {1, 1.5, 0.5}}, small{{-0.3, -0.3, -0.3}, {0.3, 0.3, 0.3}};
+  const SplatBall ball{{0.8, 0, 0}, 0.9};
+  const auto in_box = [](const SplatBox& region, const glm::dvec3& p) {
+    bool inside = true;
+    for (int k = 0; k < 3; ++k) inside = inside && p[k] >= region.lower[k] && p[k] <= region.upper[k];
+    return inside;
+  };
+  const auto in_ball = [&](const glm::dvec3& p) { return glm::distance(p, ball.center) <= ball.radius; };
+  struct Case {
+    std::vector<SplatCrop> crops;
+    std::function<bool(const glm::dvec3&)> is_kept;
+  };
+  const Case cases[] = {
+      {{{box}}, [&](const glm::dvec3& p) { return in_box(box, p); }},
+      {{{box}, {ball}}, [&](const glm::dvec3& p) { return in_box(box, p) || in_ball(p); }},
+      {{{ball, true}}, [&](const glm::dvec3& p) { return !in_ball(p); }},
+      {{{ball, true}, {small, true}}, [&](const glm::dvec3& p) { return !in_ball(p) && !in_box(small, p); }},
+      {{{small, true}, {box}, {ball}},
+       [&](const glm::dvec3& p) { return (in_box(box, p) || in_ball(p)) && !in_box(small, p); }}};
+  for (const Case& one : cases) {
+    SplatEdit edit;
+    edit.crops = one.crops;
     Gaussians edited = all;
     const SplatsRemoved removed = edit_splats(edited, edit);
     std::vector<std::size_t> expected;
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      const glm::dvec3 p(all.positions[i]);
-      bool inside = glm::distance(p, glm::dvec3(0.2, 0, 0)) <= 1.2;
-      for (int k = 0; k < 3; ++k) inside = inside && p[k] >= edit.box->lower[k] && p[k] <= edit.box->upper[k];
-      if (inside != outside) expected.push_back(i);
-    }
+    for (std::size_t i = 0; i < all.size(); ++i)
+      if (one.is_kept(glm::dvec3(all.positions[i]))) expected.push_back(i);
     REQUIRE(edited.size() == expected.size());
     CHECK(removed.before == 500);
     CHECK(removed.cropped == 500 - expected.size());
+    CHECK(removed.cropped > 0);
     CHECK(removed.all() == removed.cropped);
     check_gaussians(edited);
     for (std::size_t i = 0; i < expected.size(); ++i) {
@@ -153,9 +168,10 @@ TEST_CASE("writes an edit as options that give the same edit") {
   SplatEdit edit;
   CHECK(edit.empty());
   CHECK(options_of(edit).empty());
-  edit.box = SplatBox{{-1, -0.1, 1e-7}, {1, 1.0 / 3, 2}};
-  edit.ball = SplatBall{{0.25, -1e9, 0}, 3.5};
-  edit.outside = true;
+  edit.crops = {{SplatBox{{-1, -0.1, 1e-7}, {1, 1.0 / 3, 2}}},
+                {SplatBall{{0.25, -1e9, 0}, 3.5}, true},
+                {SplatBox{{-2, -2, -2}, {2, 2, 2}}, true},
+                {SplatBall{{1, 2, 3}, 0.1}}};
   edit.least_opacity = 0.07;
   edit.most_size = 0.125;
   edit.scale = 0.1;

@@ -62,7 +62,8 @@ TEST_CASE("in situ kept field: chunks of all levels have the values of the grid"
   CHECK(static_cast<double>(field.error()) <= bound / 4);
   std::vector<float> values;
   for (const Chunk& chunk : {Chunk{0, {0, 0, 0}}, Chunk{0, {1, 1, 1}}, Chunk{0, {1, 0, 1}}, Chunk{1, {0, 0, 0}}}) {
-    field.read(chunk, values);
+    values.resize(field.pyramid().chunk_points(chunk.level));
+    field.read(chunk, 0, values);
     CHECK(largest_error(grid, field.pyramid(), chunk, values) <= static_cast<double>(field.error()) * 1.01);
   }
 }
@@ -75,7 +76,8 @@ TEST_CASE("in situ kept field: a wrong expectation of the range changes nothing"
     KeptField field;
     field.keep(rank.blocks, rank.plan, {0, 0.001}, expected);
     std::vector<float> values;
-    field.read({0, {0, 0, 0}}, values);
+    values.resize(field.pyramid().chunk_points(0));
+    field.read({0, {0, 0, 0}}, 0, values);
     CHECK(largest_error(grid, field.pyramid(), {}, values) <= 0.001 * 18 / 4);
   }
 }
@@ -88,7 +90,8 @@ TEST_CASE("in situ kept field: small errors need floats") {
   CHECK(field.error() == 0);
   CHECK(field.bytes() == 20 * 20 * 20 * 4);
   std::vector<float> values;
-  field.read({0, {0, 0, 0}}, values);
+  values.resize(field.pyramid().chunk_points(0));
+  field.read({0, {0, 0, 0}}, 0, values);
   CHECK(largest_error(grid, field.pyramid(), {}, values) <= 1e-6);
 }
 

@@ -101,5 +101,45 @@ TEST_CASE("in situ codes: doubles become floats, and bytes are shuffled by their
   CHECK(bytes == std::vector<std::uint8_t>{0, 0, 0, 0, 0x80, 0, 0x3f, 0xc0});
 }
 
+TEST_CASE("in situ codes: rounded scales keep values within the error and have steps of powers of two") {
+  const std::vector<float> values = random_values(1001, -20, 130);
+  FiniteRange range;
+  measure(values.data(), values.size(), range);
+  for (const float error : {3.0f, 0.05f, 0.01f}) {
+    INFO(error);
+    const CodeScale scale = rounded_scale(range, error);
+    REQUIRE(scale.quantum > 0);
+    CHECK(std::exp2(std::round(std::log2(scale.quantum))) == scale.quantum);
+    std::vector<std::int16_t> codes(values.size());
+    FiniteRange found;
+    quantise(values.data(), values.size(), scale, codes.data(), found);
+    std::vector<float> decoded(values.size());
+    dequantise(codes.data(), 1, codes.size(), scale, decoded.data());
+    for (std::size_t i = 0; i < values.size(); ++i) CHECK(std::abs(decoded[i] - values[i]) <= error);
+  }
+}
+
+TEST_CASE("in situ codes: rounded scales have no step if 16 bits do not suffice") {
+  CHECK(rounded_scale({0, 1}, 0.000001f).quantum == 0);
+  CHECK(rounded_scale({1e6f, 1e6f + 1}, 0.01f).quantum == 0);  // floats are coarser
+  CHECK(rounded_scale({0, 1}, 0).quantum == 0);
+  CHECK(rounded_scale({}, 0.1f).quantum == 1);
+  CHECK(rounded_scale({7, 7}, 0).offset == 7);
+}
+
+TEST_CASE("in situ codes: differences are shuffled by their places, modulo 2^16") {
+  for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{5}, std::size_t{100}}) {
+    std::vector<std::int16_t> codes(count);
+    for (std::size_t i = 0; i < count; ++i) codes[i] = static_cast<std::int16_t>(i % 7 == 3 ? kMissingCode : i * 3119);
+    std::vector<std::uint8_t> bytes(2 * count);
+    shuffle_differences(codes.data(), count, 0, bytes.data(), bytes.data() + count);
+    std::uint16_t sum = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      sum = static_cast<std::uint16_t>(sum + bytes[i] + 256 * bytes[count + i]);
+      CHECK(static_cast<std::int16_t>(sum) == codes[i]);
+    }
+  }
+}
+
 }  // namespace quantise_test
 }  // namespace gs::app::insitu

@@ -48,7 +48,7 @@ struct SplatUser {
 
 SplatEdit crop_of(double size) {
   SplatEdit edit;
-  edit.box = SplatBox{glm::dvec3(-size), glm::dvec3(size)};
+  edit.crops = {{SplatBox{glm::dvec3(-size), glm::dvec3(size)}}};
   return edit;
 }
 
@@ -128,7 +128,7 @@ TEST_CASE("puts the first crop box around a scene, and leaves floaters outside")
   CHECK(extent.whole.upper.x == Approx(500));
   CHECK(extent.middle.upper.x < 50);
   SplatEdit edit;
-  edit.box = SplatBox{extent.middle.lower, extent.middle.upper};
+  edit.crops = {{SplatBox{extent.middle.lower, extent.middle.upper}}};
   (void)edit_splats(splats, edit);
   CHECK(splats.size() < 300);
   CHECK(splats.size() > 290);  // the positions are normally distributed
@@ -147,17 +147,24 @@ TEST_CASE("the Splats panel crops, resets and asks before edits are lost") {
   it.user.press(letter_key('G'), true, true);
   INFO(it.user.screen());
   CHECK(it.user.sees("300 of 300 splats"));
-  it.user.click("Box");
-  REQUIRE(it.edits().edit().box);
+  it.user.click("Add box");
+  REQUIRE(it.edits().edit().crops.size() == 1);
   const std::size_t left = left_by(it.edits().edit());
   CHECK(left < 300);
   REQUIRE(it.shows(left));
   it.user.settle();
   CHECK(it.user.sees(std::to_string(left) + " of 300 splats"));
   CHECK(it.user.sees("From"));
-  it.user.click("Outside");
-  CHECK(it.edits().edit().outside);
+  it.user.click("Remove");
   REQUIRE(it.shows(300 - left));
+  it.user.click("Add sphere");
+  REQUIRE(it.edits().edit().crops.size() == 2);
+  it.user.settle();
+  CHECK(it.user.sees("Radius"));
+  REQUIRE(it.shows(left_by(it.edits().edit())));
+  it.user.click("Delete");
+  REQUIRE(it.edits().edit().crops.size() == 1);
+  CHECK(std::holds_alternative<SplatBall>(it.edits().edit().crops[0].shape));
   CHECK_FALSE(it.user.controller().may_close());
   it.user.settle();
   REQUIRE(it.user.sees("has changes that are not saved"));

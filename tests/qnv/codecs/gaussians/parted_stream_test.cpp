@@ -2,6 +2,7 @@
 #include "qnv/codecs/gaussians/encode/splat_parts.h"
 #include "qnv/reader/stream_decoder.h"
 #include "tests/qnv/splat_clouds.h"
+#include "tests/qnv/thread_ranks.h"
 
 #include <catch2/catch.hpp>
 #include <glm/geometric.hpp>
@@ -13,6 +14,7 @@
 #include <set>
 #include <span>
 #include <string>
+#include <thread>
 #include <variant>
 #include <vector>
 
@@ -38,32 +40,72 @@ Gaussians shown_by(std::span<const std::byte> bytes) {
 /// Source that passes Gaussians in pieces of 100, and counts how often it is read.
 struct Pieces {
   const Gaussians& all;
-  std::size_t reads = 0;
+  std::size_t reads = 0, runs = 0;
 
   GaussianSource source() {
     return {all, all.degree, all.antialiased, all.size(), [this](const std::function<bool(const Gaussians&)>& take) {
               ++reads;
-              const std::size_t per = harmonic_count(all.degree);
-              for (std::size_t first = 0; first < all.size(); first += 100) {
-                const std::size_t last = std::min(all.size(), first + 100);
-                Gaussians piece;
-                piece.degree = all.degree;
-                const auto copy = [](const auto& from, auto& to, std::size_t begin, std::size_t end) {
-                  to.assign(from.begin() + static_cast<std::ptrdiff_t>(begin),
-                            from.begin() + static_cast<std::ptrdiff_t>(end));
-                };
-                copy(all.positions, piece.positions, first, last);
-                copy(all.scales, piece.scales, first, last);
-                copy(all.rotations, piece.rotations, first, last);
-                copy(all.opacities, piece.opacities, first, last);
-                copy(all.bases, piece.bases, first, last);
-                copy(all.harmonics, piece.harmonics, per * first, per * last);
-                if (!take(piece)) return false;
-              }
+              for (std::size_t first = 0; first < all.size(); first += 100)
+                if (!take(piece_of(first))) return false;
               return true;
             }};
   }
+  /// Returns a source with one run per piece.
+  GaussianSource source_in_runs() {
+    GaussianSource made = source();
+    for (std::size_t first = 0; first < all.size(); first += 100)
+      made.runs.push_back(std::min<std::size_t>(100, all.size() - first));
+    made.read_run = [this](std::uint64_t run, const std::function<bool(const Gaussians&)>& take) {
+      ++runs;
+      return take(piece_of(100 * static_cast<std::size_t>(run)));
+    };
+    return made;
+  }
+  [[nodiscard]] Gaussians piece_of(std::size_t first) const {
+    const std::size_t per = harmonic_count(all.degree), last = std::min(all.size(), first + 100);
+    Gaussians piece;
+    piece.degree = all.degree;
+    const auto copy = [](const auto& from, auto& to, std::size_t begin, std::size_t end) {
+      to.assign(from.begin() + static_cast<std::ptrdiff_t>(begin), from.begin() + static_cast<std::ptrdiff_t>(end));
+    };
+    copy(all.positions, piece.positions, first, last);
+    copy(all.scales, piece.scales, first, last);
+    copy(all.rotations, piece.rotations, first, last);
+    copy(all.opacities, piece.opacities, first, last);
+    copy(all.bases, piece.bases, first, last);
+    copy(all.harmonics, piece.harmonics, per * first, per * last);
+    return piece;
+  }
 };
+
+using PartedResult = std::variant<EncodedStream, EncodeError>;
+
+/// Encodes a source with several ranks. The store of the last one fails after some bytes; 0 means never. Notes the
+/// number of runs that each rank reads.
+std::vector<PartedResult> encode_ranks(SharedMemory& state, const Gaussians& all, const EncodeOptions& options,
+                                       std::vector<std::size_t>& runs, std::uint64_t last_fails_at = 0) {
+  const std::size_t count = state.stores.size();
+  std::vector<PartedResult> results(count, EncodeError{"not run"});
+  runs.assign(count, 0);
+  std::vector<std::jthread> threads;
+  for (std::uint32_t rank = 0; rank < count; ++rank)
+    threads.emplace_back([&, rank] {
+      ThreadRanks ranks(state, rank);
+      RankStore store(state, rank);
+      if (rank + 1 == count) store.fails_at = last_fails_at;
+      RankSink sink(state);
+      EncodeOptions own = options;
+      own.ranks = &ranks;
+      own.spill = &store;
+      own.sink = &sink;
+      own.threads = 1;
+      Pieces pieces{all};
+      results[rank] = encode_gaussians(pieces.source_in_runs(), own);
+      runs[rank] = pieces.runs;
+    });
+  threads.clear();
+  return results;
+}
 
 /// Store that fails after some bytes.
 class FullStore final : public SpillStore {
@@ -154,6 +196,50 @@ TEST_CASE("a stream of Gaussians in parts does not depend on threads, memory and
   const auto whole = encode_gaussians(source, options);
   REQUIRE(std::holds_alternative<EncodedStream>(small));
   CHECK(std::get<EncodedStream>(small).bytes == std::get<EncodedStream>(whole).bytes);
+}
+
+TEST_CASE("ranks that share Gaussians write the bytes of one process") {
+  Gaussians source = test::splat_cloud(5000, 2);
+  // A cell with more splats than a part: its parts begin in the blocks of different ranks.
+  for (std::size_t i = 0; i < source.size(); i += 3) source.positions[i] = source.positions[0];
+  EncodeOptions options;
+  options.part_splats = 1200;
+  SECTION("complete") {}
+  SECTION("limited size") { options.max_bytes = 20'000; }
+  SECTION("limited number") { options.vectors = 700; }
+  SECTION("without parity") { options.parity = 0; }
+  const EncodedStream alone = parted(source, 1200, options);
+  for (const std::uint32_t count : {2u, 3u, 4u}) {
+    SharedMemory state(count);
+    std::vector<std::size_t> runs;
+    for (const PartedResult& result : encode_ranks(state, source, options, runs)) {
+      REQUIRE(std::holds_alternative<EncodedStream>(result));
+      CHECK(std::get<EncodedStream>(result).written == alone.bytes.size());
+    }
+    CHECK(state.stream == alone.bytes);
+    for (const std::size_t read : runs) {
+      CHECK(read >= 2 * (50 / count));
+      CHECK(read <= 2 * (50 / count + 1));
+    }
+  }
+}
+
+TEST_CASE("all ranks that share Gaussians report the error of one rank") {
+  const Gaussians source = test::splat_cloud(4000, 1);
+  EncodeOptions options;
+  options.part_splats = 1000;
+  // The last rank cannot store its splats, its trees, or its chunks.
+  SharedMemory whole(3);
+  std::vector<std::size_t> runs;
+  (void)encode_ranks(whole, source, options, runs);
+  const std::uint64_t bytes = whole.stores.back().size();
+  for (const std::uint64_t most : {bytes / 10, bytes / 2, bytes - 1}) {
+    SharedMemory state(3);
+    for (const PartedResult& result : encode_ranks(state, source, options, runs, most)) {
+      REQUIRE(std::holds_alternative<EncodeError>(result));
+      CHECK(std::get<EncodeError>(result).message.find("memory") != std::string::npos);
+    }
+  }
 }
 
 TEST_CASE("Gaussians in parts end where the options ask") {

@@ -110,7 +110,9 @@ class PyramidEncoder {
   }
 
   Runs runs_of(const Segment& segment, values::LabelCubes* before) {
-    const auto [step, level, number] = segment;
+    // Clang 14 does not capture structured bindings.
+    const std::size_t step = segment.step, level = segment.level;
+    const auto number = segment.number;
     const values::StoredLabels& labels = pyramid_.steps[step][level];
     const values::CubeOrder& order = orders_[level];
     const Extent volume = pyramid_.steps.front().front().extent();

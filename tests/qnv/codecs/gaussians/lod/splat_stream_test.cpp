@@ -322,6 +322,75 @@ TEST_CASE("parity restores lost chunks of Gaussians in a cut") {
   CHECK(sorted_numbers(gathered(stream->cut(closest_view()))) == sorted_numbers(decoded(encoded.bytes)));
 }
 
+TEST_CASE("parity restores damaged chunks of Gaussians in a file with a directory") {
+  EncodeOptions options;
+  options.parity = 0.3;
+  auto made = encode_gaussians(test::splat_cloud(6000, 1), options);
+  const auto& encoded = std::get<EncodedStream>(made);
+  const auto chunks = chunks_of(encoded);
+  const std::vector<Numbers> expected = sorted_numbers(decoded(encoded.bytes));
+  for (const std::size_t first : {0u, 3u}) {  // with and without the root cluster
+    Bytes damaged = encoded.bytes;
+    std::size_t harmonics = 0;
+    for (std::size_t i = first; i < chunks.size(); i += 10) {
+      damaged[static_cast<std::size_t>(chunks[i].first) + kChunkHeaderBytes + 5] ^= std::byte{255};
+      harmonics += is_harmonics(static_cast<ChunkType>(chunks[i].second[4])) ? 1 : 0;
+    }
+    CHECK(harmonics > 0);
+    CHECK(harmonics < chunks.size() / 10);
+    const auto source = std::make_shared<const CountingSource>(damaged);
+    const Stream stream = opened(SplatStream::open(source));
+    if (first > 0) CHECK(source->read_ < damaged.size() / 2);
+    CHECK(sorted_numbers(gathered(stream->cut(closest_view()))) == expected);
+    // Reads the whole file once, and each chunk at most twice.
+    CHECK(source->read_ < 4 * damaged.size());
+  }
+}
+
+TEST_CASE("clusters that replace Gaussians of others are left out") {
+  const EncodedStream encoded = encoded_cloud(3000);
+  const auto chunks = chunks_of(encoded);
+  const Stream stream = opened(SplatStream::begin(std::span(encoded.bytes).first(encoded.header.directory)));
+  stream->push(std::span(encoded.bytes).subspan(static_cast<std::size_t>(encoded.header.directory)));
+  std::uint32_t id = 1'000'000;
+  for (const auto& [offset, chunk] : chunks) {
+    auto packed = gaussians::parse_cluster(std::span(chunk).subspan(kChunkHeaderBytes));
+    REQUIRE(packed);
+    if (packed->head.level != 1 && packed->head.level != 2) continue;
+    packed->head.id = id++;
+    const Bytes copy = encode_chunk(ChunkType::gaussians, gaussians::pack(packed->head, packed->bytes));
+    CHECK(stream->add((std::uint64_t{1} << 40) + id, copy));
+  }
+  REQUIRE(id > 1'000'001);
+  const Gaussians cut = gathered(stream->cut(closest_view()));
+  CHECK(cut.size() <= 3000);
+  CHECK(opacity_area(cut) == Approx(opacity_area(decoded(encoded.bytes))).epsilon(0.2));
+  REQUIRE_FALSE(stream->problems().empty());
+  CHECK(stream->problems()[0].message == "a cluster replaces Gaussians of another one, or none");
+}
+
+TEST_CASE("harmonics of unknown clusters wait in limited memory") {
+  gaussians::SplatTree tree;
+  std::string why;
+  CHECK(tree.arrive(gaussians::HarmonicsHead{1, 0, 5}, 1, 50, why));
+  std::size_t waiting = 1;
+  for (std::uint32_t id = 2; id < 200'000 && why.empty(); ++id)
+    waiting += tree.arrive(gaussians::HarmonicsHead{id, 0, 5}, id, 50, why) ? 1 : 0;
+  CHECK(waiting == 65'536);
+  CHECK(why == "a chunk of harmonics is left out, because too many wait for their clusters");
+  CHECK(tree.size() == 0);
+  // A cluster takes its chunks, which leave room for another one.
+  why.clear();
+  const std::uint32_t root = tree.arrive(gaussians::ClusterHead{}, 300'000, 50, why);
+  const std::uint32_t index = tree.arrive(gaussians::ClusterHead{1, 0, 0, 1, 1}, 300'001, 50, why);
+  REQUIRE(index != gaussians::kNoCluster);
+  CHECK(tree[root].own_harmonics == 0);
+  CHECK(tree[index].own_harmonics == 1);
+  CHECK(tree.harmonics(tree[index].harmonics).offset == 1);
+  CHECK(tree.arrive(gaussians::HarmonicsHead{400'000, 0, 5}, 400'000, 50, why));
+  CHECK(why.empty());
+}
+
 TEST_CASE("decoding of Gaussians continues in later cuts") {
   const Stream stream = opened(SplatStream::open(encoded_cloud(6000).bytes));
   LodView view = closest_view();
@@ -417,9 +486,12 @@ TEST_CASE("clusters of Gaussians have limited numbers of children and of chunks 
   CHECK(why.empty());
   CHECK(arrive({gaussians::kMostNodes + 1, 0, 0, 1, 1}) == gaussians::kNoCluster);
   CHECK(why == "a cluster contradicts its parent");
-  for (std::uint32_t i = 0; i < 1024; ++i) REQUIRE(tree.arrive(gaussians::HarmonicsHead{5, i, 1}, offset++, 50));
-  CHECK_FALSE(tree.arrive(gaussians::HarmonicsHead{5, 1024, 1}, offset++, 50));
-  CHECK(tree.arrive(gaussians::HarmonicsHead{6, 0, 1}, offset++, 50));
+  const auto arrive_harmonics = [&](std::uint32_t id, std::uint32_t first) {
+    return tree.arrive(gaussians::HarmonicsHead{id, first, 1}, offset++, 50, why);
+  };
+  for (std::uint32_t i = 0; i < 1024; ++i) REQUIRE(arrive_harmonics(5, i));
+  CHECK_FALSE(arrive_harmonics(5, 1024));
+  CHECK(arrive_harmonics(6, 0));
 }
 
 TEST_CASE("an overview of Gaussians has their extent") {

@@ -1,0 +1,328 @@
+#include "app/encode/grids/grid_surface.h"
+
+#include "app/encode/grids/outer_faces.h"
+#include "app/encode/surface_corners.h"
+#include "app/formats/vtk/cell_shapes.h"
+#include "app/formats/vtk/grid_cells.h"
+#include "base/finite.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+using qnv::EncodeError;
+
+// Number of points or values that are read together.
+constexpr std::uint64_t kTogether = std::uint64_t{1} << 16;
+// Colours of cells without values, as in importers: if other cells have values, and if no cell has.
+const qnv::Rgb8 kWithoutValues{128, 128, 128}, kPlain{204, 204, 204};
+
+/// Triangle in the store.
+struct StoredTriangle {
+  std::array<float, 9> places{};
+  std::array<std::uint8_t, 12> colors{};  // the last three bytes are 0
+};
+
+/// Triangles of a run of cells in the store.
+struct StoredTriangles {
+  std::uint64_t offset = 0, count = 0;
+};
+
+/// Ranges of the shown values and of wide coordinates.
+struct GridRanges {
+  float low = std::numeric_limits<float>::infinity(), high = -std::numeric_limits<float>::infinity();
+  WideBox box;
+
+  void add(const GridRanges& other) {
+    low = std::min(low, other.low);
+    high = std::max(high, other.high);
+    box.add(other.box);
+  }
+};
+
+/// Triangles of the cells of one run.
+class RunTriangles {
+ public:
+  RunTriangles(GridPartReader& part, const LargeGrid::Run& run, const GridRun& cells,
+               const std::optional<ColorKey>& key, bool shows, const glm::dvec3& origin)
+      : part_(part), run_(run), cells_(cells), key_(key), shows_(shows), origin_(origin) {}
+
+  /// Adds a polygon as a fan. Skips polygons with missing or infinite corners. Returns false if the file is damaged.
+  bool add(std::span<const std::int32_t> corners, std::size_t cell) {
+    if (corners.size() < 3) return true;
+    places_.clear();
+    colors_.clear();
+    const bool by_cell = part_.has_values() && !part_.of_points();
+    qnv::Rgb8 color = shows_ ? kWithoutValues : kPlain;
+    if (by_cell && !color_of(run_.first + cell, color)) return false;
+    for (const std::int32_t corner : corners) {
+      if (corner == kBadIndex) return true;
+      std::array<double, 3> place{};
+      if (!part_.positions(static_cast<std::uint64_t>(corner), place)) return false;
+      const glm::dvec3 at(place[0], place[1], place[2]);
+      places_.push_back(glm::vec3(at - origin_));
+      if (!finite(places_.back())) return true;
+      if (!by_cell && part_.has_values() && !color_of(static_cast<std::uint64_t>(corner), color)) return false;
+      colors_.push_back(color);
+    }
+    for (std::size_t k = 2; k < corners.size(); ++k) {
+      StoredTriangle& made = triangles.emplace_back();
+      const std::array<std::size_t, 3> from{0, k - 1, k};
+      for (std::size_t i = 0; i < 3; ++i) {
+        const glm::vec3& p = places_[from[i]];
+        const qnv::Rgb8& c = colors_[from[i]];
+        std::copy_n(&p.x, 3, made.places.begin() + static_cast<std::ptrdiff_t>(3 * i));
+        made.colors[3 * i] = c.r;
+        made.colors[3 * i + 1] = c.g;
+        made.colors[3 * i + 2] = c.b;
+        box.add(p);
+      }
+    }
+    return true;
+  }
+
+  /// Adds the polygons and strips.
+  bool add_flat() {
+    for (std::size_t i = 0; i < cells_.types.size(); ++i) {
+      const GridShape shape = grid_shape(cells_.types[i]);
+      auto corners = cells_.cell(i);
+      if (corners.size() < shape.corners) continue;
+      if (!shape.any_number) corners = corners.first(shape.corners);
+      bool good = true;
+      if (shape.as == GridShape::As::polygon) {
+        good = add(corners, i);
+      } else if (shape.as == GridShape::As::pixel) {
+        good = add(std::array{corners[0], corners[1], corners[3], corners[2]}, i);
+      } else if (shape.as == GridShape::As::strip) {
+        for (std::size_t k = 2; k < corners.size() && good; ++k)
+          good =
+              add(std::array{corners[k % 2 == 1 ? k - 1 : k - 2], corners[k % 2 == 1 ? k - 2 : k - 1], corners[k]}, i);
+      }
+      if (!good) return false;
+    }
+    return true;
+  }
+
+  std::vector<StoredTriangle> triangles;
+  Box box;
+
+ private:
+  bool color_of(std::uint64_t row, qnv::Rgb8& color) {
+    std::array<double, 3> value{};
+    if (!part_.values(row, std::span(value).first(part_.width()))) return false;
+    if (part_.has_colors()) {
+      const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(std::clamp(value[i], 0.0, 255.0)); };
+      color = {byte(0), byte(1), byte(2)};
+    } else if (key_) {
+      const vrml::Color c = key_->color_of(static_cast<double>(static_cast<float>(value[0])));
+      color = to_rgb8({c.r, c.g, c.b});
+    }
+    return true;
+  }
+
+  GridPartReader& part_;
+  const LargeGrid::Run& run_;
+  const GridRun& cells_;
+  const std::optional<ColorKey>& key_;
+  bool shows_;  // some cells have values
+  glm::dvec3 origin_;
+  std::vector<glm::vec3> places_;
+  std::vector<qnv::Rgb8> colors_;
+};
+
+/// Maker of the surface of one grid.
+class GridSurfaceMaker {
+ public:
+  GridSurfaceMaker(const LargeGrid& grid, qnv::EncodeRanks& shared, std::uint64_t memory, Progress* progress)
+      : grid_(grid), shared_(shared), memory_(memory), progress_(progress), reader_(grid) {}
+
+  std::variant<MeshStream, EncodeError> make() {
+    begin_stage("reading", 3);
+    if (auto failed = shared_.agree(survey())) return std::move(*failed);
+    share_ranges();
+    auto found = outer_faces(grid_, shared_, memory_, progress_);
+    if (auto* const failed = std::get_if<EncodeError>(&found)) return std::move(*failed);
+    if (auto failed = shared_.agree(store_triangles(std::get<std::vector<OuterFace>>(found))))
+      return std::move(*failed);
+    return stream();
+  }
+
+ private:
+  void begin_stage(const char* stage, std::uint64_t passes) {
+    if (!progress_) return;
+    progress_->stage = stage;
+    progress_->done = 0;
+    progress_->total = 0;
+    for (const LargeGrid::Run& run : grid_.runs) progress_->total += run.cells * passes / shared_.count();
+  }
+
+  /// Reads ranges in this rank's share of the points or cells.
+  std::optional<EncodeError> survey() {
+    // A piece of work is kTogether points or cells of a part.
+    std::vector<std::pair<std::uint32_t, std::uint64_t>> work;
+    for (std::uint32_t part = 0; part < grid_.parts.size(); ++part) {
+      const LargeGrid::Part& of = grid_.parts[part];
+      for (std::uint64_t first = 0; first < std::max(of.points, of.cells); first += kTogether)
+        work.emplace_back(part, first);
+    }
+    const qnv::RankShare own = qnv::share_of(shared_.ranks(), work.size());
+    for (std::uint64_t i = own.first; i < own.end; ++i) {
+      if (is_cancelled(progress_)) return EncodeError{"cancelled"};
+      const auto [number, first] = work[static_cast<std::size_t>(i)];
+      const auto opened = reader_.part(number);
+      if (const auto* const problem = std::get_if<std::string>(&opened)) return EncodeError{*problem};
+      if (!survey_rows(*std::get<GridPartReader*>(opened), first))
+        return EncodeError{grid_.path_of(grid_.parts[number].file) + ": the arrays are damaged"};
+      if (progress_) progress_->done += kTogether;
+    }
+    return std::nullopt;
+  }
+
+  bool survey_rows(GridPartReader& part, std::uint64_t first) {
+    const auto rows_from = [first](std::uint64_t count) {
+      return static_cast<std::size_t>(std::min(kTogether, count - std::min(count, first)));
+    };
+    std::vector<double> numbers;
+    if (part.wide() && rows_from(part.part().points) > 0) {
+      numbers.resize(3 * rows_from(part.part().points));
+      if (!part.positions(first, numbers)) return false;
+      for (std::size_t i = 0; i < numbers.size(); i += 3) {
+        const glm::dvec3 p(numbers[i], numbers[i + 1], numbers[i + 2]);
+        if (finite(p)) ranges_.box.add(p);
+      }
+    }
+    const std::size_t rows = rows_from(part.of_points() ? part.part().points : part.part().cells);
+    if (!part.has_values() || part.has_colors() || rows == 0) return true;
+    numbers.resize(rows);
+    if (!part.values(first, numbers)) return false;
+    for (const double number : numbers) {
+      const auto value = static_cast<float>(number);
+      if (!std::isfinite(value)) continue;
+      ranges_.low = std::min(ranges_.low, value);
+      ranges_.high = std::max(ranges_.high, value);
+    }
+    return true;
+  }
+
+  /// Makes the colour key and the origin from the ranges of all ranks. Collective.
+  void share_ranges() {
+    const GridRanges own = ranges_;
+    for (const GridRanges& one : qnv::gather_records<GridRanges>(shared_.ranks(), std::span(&own, 1))) ranges_.add(one);
+    if (!ranges_.box.empty()) origin_ = qnv::local_origin(ranges_.box);
+    const std::string title = this->title();
+    if (title.empty()) return;
+    std::vector<float> values;
+    if (ranges_.low <= ranges_.high) values = {ranges_.low, ranges_.high};
+    key_ = color_key_of_choice(values, title, grid_.choice);
+  }
+
+  /// Returns the title of the values of the first part that has them; empty if none has, or if they are colours.
+  [[nodiscard]] std::string title() const {
+    const VtkShownArray& shown = grid_.files.shown;
+    for (const LargeGrid::Part& part : grid_.parts)
+      for (const VtkArray& array : grid_.files.files[part.file].header.arrays)
+        if (!shown.name.empty() && array.piece == part.piece && array.section == shown.section &&
+            array.name == shown.name)
+          return title_of_values(array, grid_.choice);
+    return {};
+  }
+
+  /// Stores the triangles of this rank's runs.
+  std::optional<EncodeError> store_triangles(std::span<const OuterFace> outer) {
+    const qnv::RankShare own = qnv::share_of(shared_.ranks(), grid_.runs.size());
+    auto next = outer.begin();
+    for (std::uint64_t number = own.first; number < own.end; ++number) {
+      if (is_cancelled(progress_)) return EncodeError{"cancelled"};
+      const LargeGrid::Run& run = grid_.runs[static_cast<std::size_t>(number)];
+      const auto opened = reader_.part(run.part);
+      if (const auto* const problem = std::get_if<std::string>(&opened)) return EncodeError{*problem};
+      GridPartReader& part = *std::get<GridPartReader*>(opened);
+      auto read = part.cells(run, most_run_corners(memory_));
+      if (auto* const problem = std::get_if<std::string>(&read)) return EncodeError{std::move(*problem)};
+      const GridRun& cells = std::get<GridRun>(read);
+      RunTriangles made(part, run, cells, key_, !grid_.files.shown.name.empty(), origin_);
+      bool good = made.add_flat();
+      for (; next != outer.end() && next->run == number && good; ++next) {
+        if (next->cell() >= cells.types.size()) return EncodeError{"another program changed the file"};
+        const std::uint8_t type = cells.types[next->cell()];
+        const GridShape shape = grid_shape(type);
+        const auto cell = cells.cell(next->cell());
+        if (next->face() >= shape.faces.size() || cell.size() < shape.corners)
+          return EncodeError{"another program changed the file"};
+        good = made.add(face_of(cell, type, next->face()).list(), next->cell());
+      }
+      if (!good) return EncodeError{grid_.path_of(grid_.parts[run.part].file) + ": the arrays are damaged"};
+      stored_.push_back({shared_.store().size(), made.triangles.size()});
+      if (!made.triangles.empty() && !shared_.store().append(std::as_bytes(std::span(made.triangles))))
+        return EncodeError{shared_.store().problem()};
+      box_.add(made.box);
+      if (progress_) progress_->done += run.cells;
+    }
+    return shared_.store().publish() ? std::nullopt : std::optional(EncodeError{shared_.store().problem()});
+  }
+
+  /// Collects the places of all triangles. Collective.
+  std::variant<MeshStream, EncodeError> stream() {
+    MeshStream made;
+    auto all = std::make_shared<const std::vector<StoredTriangles>>(
+        qnv::gather_records<StoredTriangles>(shared_.ranks(), stored_));
+    for (const StoredTriangles& run : *all) made.faces += run.count;
+    if (made.faces == 0) return EncodeError{"the grid has no faces; expected cells with an area"};
+    Box box;
+    for (const Box& one : qnv::gather_records<Box>(shared_.ranks(), std::span(&box_, 1))) box.add(one);
+    made.size = box.size();
+    made.origin = origin_;
+    made.color_key = key_;
+    made.source = {all->size(), [all, &store = shared_.store()](std::uint64_t run, const qnv::TriangleSink& sink) {
+                     return read_triangles(store, (*all)[static_cast<std::size_t>(run)], sink);
+                   }};
+    return made;
+  }
+
+  static bool read_triangles(const qnv::SpillStore& store, const StoredTriangles& run, const qnv::TriangleSink& sink) {
+    constexpr std::uint64_t kBatch = 4096;
+    std::vector<StoredTriangle> stored;
+    TriangleBatches batches(sink);
+    for (std::uint64_t first = 0; first < run.count; first += kBatch) {
+      stored.resize(static_cast<std::size_t>(std::min(kBatch, run.count - first)));
+      if (!store.read(run.offset + first * sizeof(StoredTriangle), std::as_writable_bytes(std::span(stored))))
+        return false;
+      for (const StoredTriangle& one : stored) {
+        qnv::Triangle triangle{};
+        for (std::size_t i = 0; i < 3; ++i) {
+          triangle.positions[i] = {one.places[3 * i], one.places[3 * i + 1], one.places[3 * i + 2]};
+          triangle.colors[i] = {one.colors[3 * i], one.colors[3 * i + 1], one.colors[3 * i + 2]};
+        }
+        if (!batches.add(triangle)) return false;
+      }
+    }
+    return batches.flush();
+  }
+
+  const LargeGrid& grid_;
+  qnv::EncodeRanks& shared_;
+  std::uint64_t memory_;
+  Progress* progress_;
+  LargeGridReader reader_;
+  GridRanges ranges_;
+  std::optional<ColorKey> key_;
+  glm::dvec3 origin_{0};
+  std::vector<StoredTriangles> stored_;
+  Box box_;
+};
+
+}  // namespace
+
+std::variant<MeshStream, EncodeError> grid_surface(const LargeGrid& grid, qnv::EncodeRanks& shared,
+                                                   std::uint64_t memory, Progress* progress) {
+  return GridSurfaceMaker(grid, shared, memory, progress).make();
+}
+
+}  // namespace gs::app

@@ -1,0 +1,219 @@
+#include "app/encode/grids/outer_faces.h"
+
+#include "app/formats/vtk/cell_shapes.h"
+#include "app/formats/vtk/grid_cells.h"
+#include "qnv/base/key_table.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <tuple>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+using qnv::EncodeError;
+
+/// Face of a cell with its key: the part, and the sorted corners.
+struct StoredFace {
+  std::array<std::int32_t, 4> corners{};  // a triangle ends with kFaceEnd, which is first when sorted
+  std::uint32_t part = 0;
+  OuterFace face;
+
+  [[nodiscard]] auto key() const { return std::tie(part, corners); }
+};
+
+/// Consecutive faces in the store, all of one bucket.
+struct FaceBlock {
+  std::uint64_t offset = 0;
+  std::uint32_t bucket = 0, faces = 0;
+};
+
+// Most faces of a cell.
+constexpr std::uint64_t kMostFaces = 6;
+// Shares of the memory limit: faces of the bucket that is compared, faces that wait for their block, outer faces.
+constexpr std::uint64_t kBucketShare = 16, kWaitingShare = 16, kOuterShare = 8;
+constexpr std::uint64_t kLeastMemory = std::uint64_t{1} << 20;
+// A bucket may exceed its share so many times.
+constexpr std::uint64_t kUneven = 4;
+
+/// Search for the outer faces of one grid.
+class FaceSearch {
+ public:
+  FaceSearch(const LargeGrid& grid, qnv::EncodeRanks& shared, std::uint64_t memory, Progress* progress)
+      : grid_(grid),
+        shared_(shared),
+        memory_(std::max(memory, kLeastMemory)),
+        progress_(progress),
+        own_(qnv::share_of(shared.ranks(), grid.runs.size())) {
+    std::uint64_t cells = 0;
+    for (const LargeGrid::Run& run : grid.runs) cells += run.cells;
+    buckets_ = static_cast<std::size_t>(std::clamp<std::uint64_t>(
+        cells * kMostFaces * sizeof(StoredFace) / (memory_ / kBucketShare) + 1, 4 * shared.count(), 1 << 16));
+    waiting_.resize(buckets_);
+    most_waiting_ = static_cast<std::size_t>(
+        std::clamp<std::uint64_t>(memory_ / kWaitingShare / buckets_ / sizeof(StoredFace), 16, 2048));
+  }
+
+  std::variant<std::vector<OuterFace>, EncodeError> run() {
+    if (auto failed = shared_.agree(store_faces())) return std::move(*failed);
+    std::vector<FaceBlock> blocks = qnv::gather_records<FaceBlock>(shared_.ranks(), blocks_);
+    blocks_ = {};
+    std::ranges::sort(blocks, {}, &FaceBlock::bucket);
+    if (auto failed = shared_.agree(compare(blocks))) return std::move(*failed);
+    return deliver();
+  }
+
+ private:
+  /// Stores the faces of this rank's cells by buckets.
+  std::optional<EncodeError> store_faces() {
+    LargeGridReader reader(grid_);
+    for (std::uint64_t number = own_.first; number < own_.end; ++number) {
+      if (is_cancelled(progress_)) return EncodeError{"cancelled"};
+      const LargeGrid::Run& run = grid_.runs[static_cast<std::size_t>(number)];
+      const auto part = reader.part(run.part);
+      if (const auto* const problem = std::get_if<std::string>(&part)) return EncodeError{*problem};
+      auto read = std::get<GridPartReader*>(part)->cells(run, most_run_corners(memory_));
+      if (auto* const problem = std::get_if<std::string>(&read)) return EncodeError{std::move(*problem)};
+      if (auto problem = store_run(static_cast<std::uint32_t>(number), run.part, std::get<GridRun>(read)))
+        return problem;
+      if (progress_) progress_->done += run.cells;
+    }
+    for (std::size_t bucket = 0; bucket < buckets_; ++bucket)
+      if (!flush(bucket)) return EncodeError{shared_.store().problem()};
+    waiting_ = {};
+    return shared_.store().publish() ? std::nullopt : std::optional(EncodeError{shared_.store().problem()});
+  }
+
+  std::optional<EncodeError> store_run(std::uint32_t number, std::uint32_t part, const GridRun& cells) {
+    for (std::size_t i = 0; i < cells.types.size(); ++i) {
+      const GridShape shape = grid_shape(cells.types[i]);
+      if (shape.as == GridShape::As::polyhedron)
+        return EncodeError{"polyhedra of a grid that exceeds memory cannot be read in parts; raise --memory"};
+      const auto cell = cells.cell(i);
+      if (shape.as != GridShape::As::solid || cell.size() < shape.corners) continue;
+      for (std::size_t face = 0; face < shape.faces.size(); ++face) {
+        const FaceCorners found = face_of(cell, cells.types[i], face);
+        if (found.count < 3) continue;
+        StoredFace stored;
+        stored.corners.fill(kFaceEnd);
+        std::ranges::copy(found.list(), stored.corners.begin());
+        std::ranges::sort(stored.corners);
+        stored.part = part;
+        stored.face = {number, static_cast<std::uint32_t>(i << OuterFace::kFaceBits | face)};
+        if (!wait(stored)) return EncodeError{shared_.store().problem()};
+      }
+    }
+    return std::nullopt;
+  }
+
+  bool wait(const StoredFace& face) {
+    // Faces of neighbours often have near corners, and then share a bucket. So a run has few buckets.
+    constexpr int kNear = 8;
+    const auto least = static_cast<std::uint32_t>(face.corners[face.corners[0] == kFaceEnd ? 1 : 0]);
+    const std::uint64_t place = std::uint64_t{face.part} << 32 | least;
+    const auto bucket = static_cast<std::size_t>((qnv::mixed_key(place >> kNear) >> 16) % buckets_);
+    waiting_[bucket].push_back(face);
+    return waiting_[bucket].size() < most_waiting_ || flush(bucket);
+  }
+
+  bool flush(std::size_t bucket) {
+    std::vector<StoredFace>& faces = waiting_[bucket];
+    if (faces.empty()) return true;
+    blocks_.push_back(
+        {shared_.store().size(), static_cast<std::uint32_t>(bucket), static_cast<std::uint32_t>(faces.size())});
+    const bool stored = shared_.store().append(std::as_bytes(std::span(faces)));
+    faces.clear();
+    return stored;
+  }
+
+  /// Compares the faces of this rank's buckets. Keeps those that occur once.
+  std::optional<EncodeError> compare(std::span<const FaceBlock> blocks) {
+    const qnv::RankShare share = qnv::share_of(shared_.ranks(), buckets_);
+    std::vector<StoredFace> faces;
+    auto next = std::ranges::lower_bound(blocks, static_cast<std::uint32_t>(share.first), {}, &FaceBlock::bucket);
+    while (next != blocks.end() && next->bucket < share.end) {
+      if (is_cancelled(progress_)) return EncodeError{"cancelled"};
+      const std::uint32_t bucket = next->bucket;
+      faces.clear();
+      for (; next != blocks.end() && next->bucket == bucket; ++next) {
+        const std::size_t before = faces.size();
+        if ((before + next->faces) * sizeof(StoredFace) > memory_ / kBucketShare * kUneven)
+          return EncodeError{"too many cells share their points; expected a regular grid, or a larger --memory"};
+        faces.resize(before + next->faces);
+        if (!shared_.store().read(next->offset, std::as_writable_bytes(std::span(faces).subspan(before))))
+          return EncodeError{shared_.store().problem()};
+      }
+      std::ranges::sort(faces, [](const StoredFace& a, const StoredFace& b) { return a.key() < b.key(); });
+      for (std::size_t i = 0; i < faces.size(); ++i) {
+        const bool twin = (i > 0 && faces[i - 1].key() == faces[i].key()) ||
+                          (i + 1 < faces.size() && faces[i + 1].key() == faces[i].key());
+        if (!twin) outer_.push_back(faces[i].face);
+      }
+      if (outer_.size() * sizeof(OuterFace) > memory_ / kOuterShare)
+        return EncodeError{"the grid has too many outer faces; expected fewer, or a larger --memory"};
+    }
+    return std::nullopt;
+  }
+
+  /// Sends each outer face to the rank that reads its run.
+  std::variant<std::vector<OuterFace>, EncodeError> deliver() {
+    const auto before = [](const OuterFace& a, const OuterFace& b) {
+      return std::tie(a.run, a.place) < std::tie(b.run, b.place);
+    };
+    std::ranges::sort(outer_, before);
+    if (shared_.count() == 1) return std::move(outer_);
+    std::vector<std::uint64_t> ends;
+    for (std::uint64_t rank = 1; rank <= shared_.count(); ++rank) {
+      const auto end = static_cast<std::uint32_t>(grid_.runs.size() * rank / shared_.count());  // as share_of()
+      const auto at = std::ranges::lower_bound(outer_, end, {}, &OuterFace::run);
+      ends.push_back(static_cast<std::uint64_t>(at - outer_.begin()) * sizeof(OuterFace));
+    }
+    std::vector<OuterFace> own;
+    auto failed = qnv::pass_parts(shared_, std::as_bytes(std::span(outer_)), ends, [&](std::uint64_t bytes) {
+      own.resize(static_cast<std::size_t>(bytes / sizeof(OuterFace)));
+      return std::as_writable_bytes(std::span(own));
+    });
+    if (failed) return std::move(*failed);
+    outer_ = {};
+    std::ranges::sort(own, before);
+    return own;
+  }
+
+  const LargeGrid& grid_;
+  qnv::EncodeRanks& shared_;
+  std::uint64_t memory_;
+  Progress* progress_;
+  qnv::RankShare own_;  // runs that this rank reads
+  std::size_t buckets_ = 1, most_waiting_ = 1;
+  std::vector<std::vector<StoredFace>> waiting_;  // by bucket
+  std::vector<FaceBlock> blocks_;
+  std::vector<OuterFace> outer_;
+};
+
+}  // namespace
+
+std::size_t most_run_corners(std::uint64_t memory) {
+  constexpr std::uint64_t kLeast = 27 * LargeGrid::kRunCells;  // quadratic hexahedra
+  return static_cast<std::size_t>(std::max(kLeast, memory / 64 / sizeof(double)));
+}
+
+FaceCorners face_of(std::span<const std::int32_t> cell, std::size_t type, std::size_t face) {
+  FaceCorners made;
+  const GridFaceCorners& local = grid_shape(static_cast<std::uint8_t>(type)).faces[face];
+  for (const std::int8_t corner : local) {
+    if (corner == kNoGridCorner) continue;
+    const std::int32_t point = cell[static_cast<std::size_t>(corner)];
+    if (made.count == 0 || made.corners[made.count - 1] != point) made.corners[made.count++] = point;
+  }
+  while (made.count > 1 && made.corners[made.count - 1] == made.corners[0]) --made.count;
+  return made;
+}
+
+std::variant<std::vector<OuterFace>, EncodeError> outer_faces(const LargeGrid& grid, qnv::EncodeRanks& shared,
+                                                              std::uint64_t memory, Progress* progress) {
+  return FaceSearch(grid, shared, memory, progress).run();
+}
+
+}  // namespace gs::app

@@ -1,0 +1,127 @@
+#include "render/gaussians/gaussian_levels.h"
+
+#include "base/parallel.h"
+#include "qnv/codecs/gaussians/encode/gaussians_stream.h"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <variant>
+
+namespace gs::render {
+namespace {
+
+// Memory of the decoded clusters of one file.
+constexpr qnv::SplatLimits kLevelLimits{std::size_t{1} << 27, std::size_t{1} << 28, GaussianLevels::kMost};
+// Maximum number of Gaussians of a view that moves. Two cores draw about 8 M per second.
+constexpr std::size_t kMostMoving = 400'000;
+// Seconds after the end of a motion in which the cut becomes fine. Longer than its fades.
+constexpr double kSettling = 0.28;
+
+/// Encodes Gaussians and decodes the part that a view needs. Returns null if it is cancelled or impossible.
+std::unique_ptr<qnv::SplatStream> encoded_levels(const qnv::Gaussians& gaussians, const qnv::LodView& view,
+                                            Progress& progress) {
+  qnv::EncodeOptions options;
+  options.threads = 1;  // other threads draw
+  auto encoded = qnv::encode_gaussians(gaussians, options, &progress);
+  const auto* stream = std::get_if<qnv::EncodedStream>(&encoded);
+  if (!stream || is_cancelled(&progress)) return nullptr;
+  auto opened = qnv::SplatStream::open(stream->bytes);
+  auto* made = std::get_if<std::unique_ptr<qnv::SplatStream>>(&opened);
+  if (!made) return nullptr;
+  (*made)->set_limits(kLevelLimits);
+  (void)(*made)->cut(view);
+  return std::move(*made);
+}
+
+}  // namespace
+
+/// Work of a thread.
+struct GaussianLevels::Work {
+  Progress progress;
+  std::atomic<bool> done = false;
+  std::unique_ptr<qnv::SplatStream> stream;  // valid if `done`; null if there are no levels
+};
+
+GaussianLevels::~GaussianLevels() {
+  for (auto& [gaussians, entry] : entries_)
+    if (entry.work) entry.work->progress.cancelled = true;
+}
+
+bool GaussianLevels::working() const {
+  return std::ranges::any_of(entries_, [](const auto& one) { return one.second.work && !one.second.work->done; });
+}
+
+void GaussianLevels::forget_unused() {
+  std::erase_if(entries_, [&](const auto& one) {
+    const std::shared_ptr<Work>& work = one.second.work;
+    const bool runs = work && !work->done;  // then the thread is an owner
+    if (one.first.use_count() > (runs ? 1 : 0)) return false;
+    if (runs) {
+      work->progress.cancelled = true;
+      changing_ = true;
+    }
+    return true;
+  });
+}
+
+void GaussianLevels::start(const std::shared_ptr<const qnv::Gaussians>& gaussians, const qnv::LodView& view,
+                           Entry& entry) {
+  auto work = std::make_shared<Work>();
+  // The thread owns its data. No code waits for it, even at the end of the program.
+  try {
+    std::thread([work, gaussians, view] {
+      try {
+        work->stream = encoded_levels(*gaussians, view, work->progress);
+      } catch (const std::exception&) {
+        work->stream = nullptr;  // memory does not suffice
+      }
+      work->done = true;
+    }).detach();
+  } catch (const std::exception&) {
+    work->done = true;  // the system allows no more threads
+  }
+  entry.work = std::move(work);
+}
+
+const std::vector<qnv::SplatRun>* GaussianLevels::cut(const std::shared_ptr<const qnv::Gaussians>& gaussians,
+                                                      const GaussianMotion& motion, bool eager, bool& pending) {
+  if (!gaussians || gaussians->size() < least_ || gaussians->size() > kMost) return nullptr;
+  Entry& entry = entries_[gaussians];
+  const bool moves = motion.coarseness > 1;
+  qnv::LodView fine = motion.view, wanted = motion.view;
+  fine.error_pixels /= std::max(motion.coarseness, 1.0f);
+  fine.budget = 0;
+  wanted.budget = !moves ? 0 : wanted.budget == 0 ? kMostMoving : std::min(wanted.budget, kMostMoving);
+  if (!entry.work && (moves || (eager && !changing_)) && !working()) {
+    qnv::LodView all = fine;
+    all.most_decoded = 0;
+    start(gaussians, all, entry);
+  }
+  if (!entry.work || !entry.work->done || !entry.work->stream) return nullptr;
+  qnv::SplatStream& stream = *entry.work->stream;
+  if (!entry.shown.contains(motion.view.viewport)) {
+    if (!moves) return nullptr;
+    // The first cut is as fine as the Gaussians that it replaces. Coarser ones then fade in.
+    stream.forget(motion.view.viewport);
+    (void)stream.cut(fine, motion.time);
+    if (stream.pending()) return nullptr;
+    entry.shown[motion.view.viewport].moves = true;
+  }
+  Shown& shown = entry.shown[motion.view.viewport];
+  if (shown.moves && !moves) shown.rests_since = motion.time;
+  shown.moves = moves;
+  const std::vector<qnv::SplatRun>& runs = stream.cut(wanted, motion.time);
+  const bool changes = stream.fading() || stream.pending();
+  if (!moves && (!changes || motion.time - shown.rests_since > kSettling)) {
+    entry.shown.erase(motion.view.viewport);
+    return nullptr;
+  }
+  pending = pending || changes;
+  return &runs;
+}
+
+}  // namespace gs::render

@@ -1,0 +1,60 @@
+#pragma once
+
+#include "base/noncopyable.h"
+#include "qnv/codecs/gaussians/lod/splat_stream.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <vector>
+
+namespace gs::render {
+
+/// View of a viewport that draws Gaussians.
+struct GaussianMotion {
+  qnv::LodView view;
+  float coarseness = 1;  // factor of the error of `view`; above 1 while the view moves
+  double time = 0;       // of the viewport's clock, in seconds
+};
+
+/// Levels of detail for Gaussians that are in memory as a whole. A thread encodes them as a stream. While a view moves,
+/// a cut of this stream replaces them. At rest, the cut becomes as fine as they are, and then they return. Runs on one
+/// thread.
+class GaussianLevels : NonCopyable {
+ public:
+  /// Minimum and maximum number of Gaussians that get levels.
+  static constexpr std::size_t kLeast = 50'000, kMost = 2'000'000;
+
+  explicit GaussianLevels(std::size_t least = kLeast) : least_(least) {}
+  ~GaussianLevels();
+
+  /// Returns the runs to draw for a view, or null if all Gaussians must be drawn. Starts to encode them if `eager`, or
+  /// if the view moves. Sets `pending` if the next picture of the view will differ. The runs are valid until the next
+  /// call.
+  [[nodiscard]] const std::vector<qnv::SplatRun>* cut(const std::shared_ptr<const qnv::Gaussians>& gaussians,
+                                                      const GaussianMotion& motion, bool eager, bool& pending);
+  /// Reports whether a thread encodes Gaussians.
+  [[nodiscard]] bool working() const;
+  /// Frees the levels of Gaussians that have no other owners. Call it once per frame.
+  void forget_unused();
+
+ private:
+  struct Work;
+  /// State of a viewport in which a cut replaces the Gaussians.
+  struct Shown {
+    bool moves = false;
+    double rests_since = 0;  // valid if it does not move
+  };
+  struct Entry {
+    std::shared_ptr<Work> work;            // null until the thread starts
+    std::map<std::uint32_t, Shown> shown;  // by viewport
+  };
+  void start(const std::shared_ptr<const qnv::Gaussians>& gaussians, const qnv::LodView& view, Entry& entry);
+
+  std::size_t least_;
+  std::map<std::weak_ptr<const qnv::Gaussians>, Entry, std::owner_less<>> entries_;
+  bool changing_ = false;  // Gaussians were replaced before their levels were complete
+};
+
+}  // namespace gs::render
