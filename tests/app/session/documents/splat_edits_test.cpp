@@ -164,7 +164,7 @@ TEST_CASE("the Splats panel crops, resets and asks before edits are lost") {
   REQUIRE(it.shows(left_by(it.edits().edit())));
   it.user.click("Delete");
   REQUIRE(it.edits().edit().crops.size() == 1);
-  CHECK(std::holds_alternative<SplatBall>(it.edits().edit().crops[0].shape));
+  CHECK(it.shows(left_by(it.edits().edit())));
   CHECK_FALSE(it.user.controller().may_close());
   it.user.settle();
   REQUIRE(it.user.sees("has changes that are not saved"));
