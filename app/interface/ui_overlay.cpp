@@ -75,7 +75,7 @@ UiActions UiOverlay::build(const UiModel& model) {
   UiActions actions;
   State& state = *state_;
   state.settings = model.settings;
-  state.to_restore = model.to_restore;
+  state.to_restore = model.to_restore.size();
   state.tooltips.begin(state.now, !state.dialog.open && !state.palette.open);
   State::MenuBar(state).draw(model, actions);
   state.tool_bar(model, actions);

@@ -1,5 +1,6 @@
 #include "app/interface/base/text_field.h"
 #include "app/interface/ui_state.h"
+#include "app/settings/user_folders.h"
 
 #include <imgui.h>
 
@@ -7,10 +8,13 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <vector>
 
 // Preferences dialog, with one row for each setting.
 namespace gs::app {
 namespace {
+
+constexpr std::size_t kLongestFile = 60;  // characters of a path
 
 // Draws the control of one setting. Returns true if the user changed the value.
 bool setting_control(UserSettings& settings, const SettingRow& row) {
@@ -92,7 +96,8 @@ void UiOverlay::State::preferences_dialog(const UiModel& model, UiActions& actio
 
 // Draws a line below the bars with the offer to restore the last session. The line takes its height from the picture.
 void UiOverlay::State::restore_line(const UiModel& model, UiActions& actions) {
-  if (model.to_restore == 0) return;
+  const std::vector<std::string>& files = model.to_restore;
+  if (files.empty()) return;
   const float width = ImGui::GetIO().DisplaySize.x, height = restore_height();
   ImGui::SetNextWindowPos({0, menu_bar_height() + tool_bar_height()});
   ImGui::SetNextWindowSize({width, height});
@@ -106,9 +111,9 @@ void UiOverlay::State::restore_line(const UiModel& model, UiActions& actions) {
   ImGui::PopStyleColor();
   ImGui::PopStyleVar(3);
   ImGui::AlignTextToFramePadding();
-  text("GhostSpace ended unexpectedly. Open the " +
-       (model.to_restore == 1 ? std::string("file") : std::to_string(model.to_restore) + " files") +
-       " that it showed?");
+  text("GhostSpace ended unexpectedly. Open " +
+       (files.size() == 1 ? shortened(without_home(files.front()), kLongestFile) + " again?"
+                          : "the " + std::to_string(files.size()) + " files that it showed?"));
   ImGui::SameLine();
   if (ImGui::Button("Open##restore")) actions.restore = true;
   ImGui::SameLine();

@@ -187,7 +187,7 @@ void ViewerController::describe_user(UiModel& model, const Pane& pane) {
   model.settings = store_.settings();
   model.recent = store_.state().recent;
   model.bookmarks = store_.bookmarks();
-  model.to_restore = record_.files_to_restore();
+  model.to_restore = record_.to_restore();
   model.address = pane.wanted.empty() ? pane.shown : pane.wanted;
   model.bookmark = bookmarks_.find();
   model.can_go_back = session_.travel().can_go(-1);

@@ -86,7 +86,7 @@ struct UiModel {
   UserSettings settings;
   std::vector<std::string> recent;  // paths and URLs of recent files, newest first
   std::vector<Bookmark> bookmarks;
-  std::size_t to_restore = 0;  // number of files that were open when the last run crashed; 0 means nothing to restore
+  std::vector<std::string> to_restore;  // files that were open when the last run crashed
 
   // The fields from here on describe the active viewport.
   std::string address;                  // path or URL of the displayed or loading file

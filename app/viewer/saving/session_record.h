@@ -22,8 +22,8 @@ class SessionRecord {
   void note_recent_files(const std::vector<std::string>& opened);
   /// Records files and viewports of the session.
   void note_session();
-  /// Returns the number of files of a session that crashed. Returns 0 after the user has decided about them.
-  [[nodiscard]] std::size_t files_to_restore() const { return lost_.files.size(); }
+  /// Returns the files of a session that crashed, until the user has decided about them.
+  [[nodiscard]] const std::vector<std::string>& to_restore() const { return lost_.files; }
   /// Opens the files of the session that crashed, if `wanted`. Then forgets them.
   void restore(bool wanted);
 

@@ -398,12 +398,15 @@ TEST_CASE("shows notices without an open file in the picture, not over the log")
 
 TEST_CASE("offers once to restore a window that ended unexpectedly, in one line") {
   Driver user;
-  bool asked = true;
-  user.set_model([&](UiModel& model) { model.to_restore = asked ? 2 : 0; });
+  std::vector<std::string> files{"/scans/head.nrrd"};
+  user.set_model([&](UiModel& model) { model.to_restore = files; });
+  user.settle();
+  CHECK(user.sees("Open /scans/head.nrrd again?"));
+  files.push_back("/scans/hand.nrrd");
   user.settle();
   const int top = user.picture().top;
   CHECK(user.sees("Open the 2 files that it showed?"));
-  asked = false;
+  files.clear();
   user.settle();
   CHECK(user.picture().top < top);  // the picture has its space again
 }
