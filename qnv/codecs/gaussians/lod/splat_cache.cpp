@@ -16,7 +16,7 @@ namespace {
 // Maximum number of clusters of a task, and usual number of tasks in a loop.
 constexpr std::size_t kClustersPerTask = 8, kUsualTasks = 16;
 // States of clusters may use 1 / kStatePart of the memory.
-constexpr std::size_t kStatePart = 3;
+constexpr std::size_t kStatePart = 2;
 // Usual bytes of a state.
 constexpr std::size_t kTypicalState = 12'000;
 
