@@ -283,6 +283,12 @@ TEST_CASE("a grid is read in parts in each form of binary data") {
           REQUIRE(grid);
           CHECK(equal(triangles_of(AloneSurface(*grid).stream()), triangles));
         }
+  // A reader keeps fewer blocks than this grid has.
+  const auto whole = opened(folder.write("whole.vtu", hexahedra(16, 16, {}).text)),
+             blocks = opened(folder.write("blocks.vtu", hexahedra(16, 16, {true, false, true}).text));
+  REQUIRE(whole);
+  REQUIRE(blocks);
+  CHECK(equal(triangles_of(AloneSurface(*blocks).stream()), triangles_of(AloneSurface(*whole).stream())));
 }
 
 TEST_CASE("coordinates of double precision keep it") {
