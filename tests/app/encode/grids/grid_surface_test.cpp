@@ -363,6 +363,17 @@ TEST_CASE("only grids that exceed memory are read in parts") {
   CHECK_FALSE(opened(folder.write("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")));
 }
 
+TEST_CASE("a small file that states very many cells is not read in parts") {
+  const ScratchFolder folder;
+  const auto grid_of = [&](int pieces) {
+    std::string text = "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\"><UnstructuredGrid>\n";
+    for (int i = 0; i < pieces; ++i) text += "<Piece NumberOfPoints=\"8\" NumberOfCells=\"2000000000\"/>\n";
+    return opened(folder.write("many.vtu", text + "</UnstructuredGrid></VTKFile>\n"));
+  };
+  CHECK(grid_of(2));
+  CHECK_FALSE(grid_of(200));
+}
+
 TEST_CASE("a damaged grid that is read in parts gives an error") {
   const ScratchFolder folder;
   const std::string whole = hexahedra(5, 5, {}).text;
