@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <exception>
+#include <memory>
 #include <utility>
 #include <variant>
 
@@ -23,6 +25,11 @@ constexpr std::chrono::milliseconds kKeptSteady{10'000}, kKeptChanging{200}, kKe
 
 bool is_steady(const std::string& resource) {
   return resource.ends_with(".qnv") || resource.find(".zarr/") != std::string::npos;
+}
+
+template <class Future>
+bool is_ready(const Future& one) {
+  return one.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
 }
 
 std::string relayed_type(const std::string& resource) {
@@ -75,11 +82,7 @@ net::HeldContent LiveRelay::content(const net::ContentRequest& request) {
     wanted.url = url;
     // Requests with an authorization are not redirected: another server may be one that the client must not reach.
     wanted.authorization = "Bearer " + known->token;
-    pending_[request.path].coming = std::async(std::launch::async, [this, wanted = std::move(wanted)] {
-      SmallAnswer answer = small_request(wanted, false, load_, stop_, kMostRelayedBytes);
-      wake_();
-      return answer;
-    });
+    pending_[request.path].running = send(std::move(wanted), kMostRelayedBytes);
     return {State::waiting, {}, {}};
   }
   const Pending& pending = found->second;
@@ -88,13 +91,28 @@ net::HeldContent LiveRelay::content(const net::ContentRequest& request) {
   return {State::ready, relayed_type(path->resource), *pending.body};
 }
 
+// Sends a request on another thread. The answer is ready before `wake_` is called, so that the server finds it at once.
+LiveRelay::Running LiveRelay::send(net::Request wanted, std::uint64_t most_bytes) {
+  const auto answer = std::make_shared<std::promise<SmallAnswer>>();
+  Running running{answer->get_future(), {}};
+  running.thread = std::async(std::launch::async, [this, answer, most_bytes, wanted = std::move(wanted)] {
+    try {
+      answer->set_value(small_request(wanted, false, load_, stop_, most_bytes));
+    } catch (const std::exception&) {
+      answer->set_exception(std::current_exception());
+    }
+    wake_();
+  });
+  return running;
+}
+
 // Receives finished answers, also those that nobody waits for any more. Drops old ones.
 void LiveRelay::keep_recent() {
   const auto now = RelayClock::now();
   std::uint64_t bytes = 0;
   for (auto& [path, one] : pending_) {
-    if (!one.body && one.coming.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
-      SmallAnswer answer = one.coming.get();
+    if (!one.body && is_ready(one.running.coming)) {
+      SmallAnswer answer = one.running.coming.get();
       one.body = answer.problem.empty() ? std::move(answer.body) : std::string();
       const bool steady = !one.body->empty() && is_steady(live_path(path)->resource);
       constexpr int kGone = 410;
@@ -132,19 +150,13 @@ net::PostAnswer LiveRelay::post(const net::PostRequest& request) {
   if (!request.query.empty()) wanted.url += "?" + request.query;
   wanted.post = true;
   wanted.authorization = "Bearer " + known.token;
-  // Destroying the future of a running request would block, so the list keeps it.
-  const auto is_ready = [](const std::shared_future<SmallAnswer>& one) {
-    return one.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-  };
-  std::erase_if(posts_, is_ready);
+  // Destroying a running request would block, so the list keeps it.
+  std::erase_if(posts_, [](const Change& one) { return is_ready(one.coming); });
   if (posts_.size() >= kMostRelayedChanges) return {503, "too many changes wait for the simulation; retry later"};
-  posts_.push_back(std::async(std::launch::async, [this, wanted = std::move(wanted)] {
-    SmallAnswer answer = small_request(wanted, false, load_, stop_);
-    wake_();
-    return answer;
-  }));
+  Running running = send(std::move(wanted));
+  posts_.push_back({running.coming.share(), std::move(running.thread)});
   net::PostAnswer waits;
-  waits.later = [coming = posts_.back(), is_ready]() -> std::optional<net::PostAnswer> {
+  waits.later = [coming = posts_.back().coming]() -> std::optional<net::PostAnswer> {
     if (!is_ready(coming)) return std::nullopt;
     const std::string& problem = coming.get().problem;
     return problem.empty() ? net::PostAnswer{200, "ok"} : net::PostAnswer{400, problem};

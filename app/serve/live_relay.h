@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <future>
 #include <map>
@@ -33,20 +34,30 @@ class LiveRelay : NonCopyable {
   [[nodiscard]] net::PostAnswer post(const net::PostRequest& request);
 
  private:
-  struct Pending {
+  /// Request on another thread. Its destructor waits until the thread has called `wake_`.
+  struct Running {
     std::future<SmallAnswer> coming;
+    std::future<void> thread;
+  };
+  struct Change {
+    std::shared_future<SmallAnswer> coming;
+    std::future<void> thread;
+  };
+  struct Pending {
+    Running running;
     std::optional<std::string> body;  // nullopt until the answer was received; empty after a failure
     bool gone = false;                // the simulation no longer has the resource
     std::chrono::steady_clock::time_point came{};
     std::chrono::milliseconds kept{};
   };
   void keep_recent();
+  [[nodiscard]] Running send(net::Request wanted, std::uint64_t most_bytes = kMostSmallBytes);
 
   const std::function<void()> wake_;
   const LoadOptions load_;
   std::atomic<bool> stop_{false};
-  std::map<std::string, Pending> pending_;              // by path
-  std::vector<std::shared_future<SmallAnswer>> posts_;  // changes without an answer
+  std::map<std::string, Pending> pending_;  // by path
+  std::vector<Change> posts_;               // changes without an answer
 };
 
 /// Path of a file of a simulation, and path of a resource below it.

@@ -13,8 +13,8 @@ namespace {
 // Bytes of a block of plain data: whole numbers of any type, and whole groups of base64.
 constexpr std::uint64_t kPlainBlock = 3 << 15;
 constexpr std::uint64_t kMostGridBlock = std::uint64_t{16} << 20, kMostGridBlocks = std::uint64_t{1} << 22;
-// Bytes of decompressed blocks that are kept.
-constexpr std::uint64_t kKept = std::uint64_t{2} << 20;
+// Maximum bytes and number of decompressed blocks that are kept. The number bounds the search for a block.
+constexpr std::uint64_t kKept = std::uint64_t{2} << 20, kMostKeptBlocks = 64;
 
 int digit_of(std::byte byte) {
   const char c = static_cast<char>(byte);
@@ -177,8 +177,8 @@ const GridArray::Block* GridArray::block(std::uint64_t number) {
   } else if (!read_stored(head_ + begin, made.bytes)) {
     return nullptr;
   }
-  const std::size_t most =
-      static_cast<std::size_t>(std::max<std::uint64_t>(2, kKept / std::max<std::uint64_t>(1, block_)));
+  const std::size_t most = static_cast<std::size_t>(
+      std::clamp<std::uint64_t>(kKept / std::max<std::uint64_t>(1, block_), 2, kMostKeptBlocks));
   if (kept_.size() < most) return &kept_.emplace_back(std::move(made));
   Block& oldest = *std::ranges::min_element(kept_, {}, &Block::used);
   oldest = std::move(made);

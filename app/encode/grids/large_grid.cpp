@@ -15,6 +15,8 @@ namespace {
 constexpr double kFaceBytes = 120, kCornerBytes = 8, kPointBytes = 40;
 constexpr std::uint64_t kMostGridPoints = static_cast<std::uint64_t>(kBadIndex);  // of a part
 constexpr std::size_t kMostComponents = 64;
+// Maximum number of parts and runs, for lists of at most 256 MB.
+constexpr std::uint64_t kMostGridRuns = std::uint64_t{1} << 22;
 
 const VtkArray* array_in(const VtkXmlHeader& header, std::size_t piece, VtkSection section, std::string_view name) {
   for (const VtkArray& array : header.arrays)
@@ -70,13 +72,18 @@ std::optional<LargeGrid> open_large_grid(const VolumeFile& file, std::uint64_t m
   grid.path = file.path;
   grid.files = std::move(*files);
   grid.choice = file.component;
+  std::uint64_t runs = 0;
   for (std::size_t i = 0; i < grid.files.files.size(); ++i) {
     const VtkXmlHeader& header = grid.files.files[i].header;
     for (std::size_t piece = 0; piece < header.pieces.size(); ++piece) {
       const VtkPiece& from = header.pieces[piece];
       // The corners of a cell may be any points of its part.
       if (from.points > kMostGridPoints || from.cells > kMostGridPoints) return std::nullopt;
-      if (from.points > 0 && from.cells > 0) grid.parts.push_back({i, piece, from.points, from.cells});
+      if (from.points == 0 || from.cells == 0) continue;
+      // A small file may state any number of cells.
+      runs += 1 + std::max(from.points, from.cells) / LargeGrid::kRunCells;
+      if (runs > kMostGridRuns) return std::nullopt;
+      grid.parts.push_back({i, piece, from.points, from.cells});
     }
   }
   if (import_bytes(grid) <= static_cast<double>(memory)) return std::nullopt;

@@ -49,8 +49,9 @@ class FaceSearch {
         own_(qnv::share_of(shared.ranks(), grid.runs.size())) {
     std::uint64_t cells = 0;
     for (const LargeGrid::Run& run : grid.runs) cells += run.cells;
+    const std::uint64_t least = std::uint64_t{4} * shared.count(), most = std::max<std::uint64_t>(least, 1 << 16);
     buckets_ = static_cast<std::size_t>(std::clamp<std::uint64_t>(
-        cells * kMostFaces * sizeof(StoredFace) / (memory_ / kBucketShare) + 1, 4 * shared.count(), 1 << 16));
+        cells * kMostFaces * sizeof(StoredFace) / (memory_ / kBucketShare) + 1, least, most));
     waiting_.resize(buckets_);
     most_waiting_ = static_cast<std::size_t>(
         std::clamp<std::uint64_t>(memory_ / kWaitingShare / buckets_ / sizeof(StoredFace), 16, 2048));

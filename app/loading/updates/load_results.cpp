@@ -25,9 +25,11 @@ std::string title_of(const vrml::SceneGraph& scene) {
 
 // Returns the messages other than those about steps of a simulation that it no longer keeps. A newer step follows.
 Diagnostics without_gone(const Diagnostics& all) {
+  const auto is_gone = [](const Diagnostic& one) { return one.message.find("410 Gone") != std::string::npos; };
+  if (std::ranges::none_of(all.entries(), is_gone)) return all;  // with the number of those that were not stored
   Diagnostics kept;
   for (const Diagnostic& one : all.entries())
-    if (one.message.find("410 Gone") == std::string::npos) kept.add(one);
+    if (!is_gone(one)) kept.add(one);
   return kept;
 }
 

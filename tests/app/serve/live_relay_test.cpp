@@ -9,6 +9,7 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <semaphore>
 #include <string>
 #include <thread>
 #include <variant>
@@ -127,6 +128,20 @@ TEST_CASE("ssh: a simulation that does not answer a change does not block other 
   int refused = 0;
   for (int i = 0; i < 20; ++i) refused += run.relay.post({file + "/parameters", "feed=0.5", ""}).status == 503 ? 1 : 0;
   CHECK(refused > 0);
+}
+
+TEST_CASE("ssh: content is ready when the relay wakes the server") {
+  RelayedRun run;
+  std::binary_semaphore woken(0), seen(0);
+  LiveRelay relay([&] {
+    woken.release();
+    seen.acquire();
+  });
+  const net::ContentRequest request{run.file.substr(1) + "/heat 1.zarr/0/c.0.0.0", {}};
+  CHECK(relay.content(request).state == State::waiting);
+  woken.acquire();
+  CHECK(relay.content(request).body == "chunk");
+  seen.release();
 }
 
 TEST_CASE("ssh: the relay does not follow a server to another one") {

@@ -100,6 +100,9 @@ class VtkDataFile final : public DatasetFile {
     VtkPartFiles grid;
     if (entry < shown_.size()) grid.shown = shown_[entry];
     const std::size_t number = std::get<std::size_t>(step);
+    // Maximum number of arrays and pieces in all headers. An index may name one file many times.
+    constexpr std::size_t kMostRows = std::size_t{1} << 21;
+    std::size_t rows = 0;
     for (const VtkBlock& block : number == 0 ? blocks_ : blocks_of(steps_[number]))
       for (const VtkGridPiece& piece : block.files) {
         const auto file = opened_leaf(piece.path);
@@ -110,6 +113,9 @@ class VtkDataFile final : public DatasetFile {
           return array.section != VtkSection::points && array.section != VtkSection::cells && !shown &&
                  array.name != kGhostArray && array.name != kOldGhostArray;
         });
+        grid.files.back().header.arrays.shrink_to_fit();
+        rows += grid.files.back().header.arrays.size() + file->header.pieces.size();
+        if (rows > kMostRows) return std::nullopt;
       }
     return files_->missing().empty() ? std::optional(std::move(grid)) : std::nullopt;
   }

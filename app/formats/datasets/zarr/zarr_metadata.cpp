@@ -230,6 +230,9 @@ void add_zarr_codecs(ZarrArray& array, const json& list, const ZarrTypeName& typ
       set_zarr_type(array, type, endian == "big");
     } else if (name == "sharding_indexed") {
       if (in_shard) throw BadZarrMetadata{"its shards contain shards; expected chunks in shards"};
+      if (!array.codecs.empty())
+        throw BadZarrMetadata{"its shards are encoded as a whole with " + array.codec_names +
+                              "; expected codecs inside of the shards"};
       if (array.order != [&] {
             std::vector<std::size_t> plain(array.shape.size());
             std::iota(plain.begin(), plain.end(), std::size_t{0});

@@ -283,6 +283,12 @@ TEST_CASE("a grid is read in parts in each form of binary data") {
           REQUIRE(grid);
           CHECK(equal(triangles_of(AloneSurface(*grid).stream()), triangles));
         }
+  // A reader keeps fewer blocks than this grid has.
+  const auto whole = opened(folder.write("whole.vtu", hexahedra(16, 16, {}).text)),
+             blocks = opened(folder.write("blocks.vtu", hexahedra(16, 16, {true, false, true}).text));
+  REQUIRE(whole);
+  REQUIRE(blocks);
+  CHECK(equal(triangles_of(AloneSurface(*blocks).stream()), triangles_of(AloneSurface(*whole).stream())));
 }
 
 TEST_CASE("coordinates of double precision keep it") {
@@ -355,6 +361,17 @@ TEST_CASE("only grids that exceed memory are read in parts") {
   CHECK(opened(path, 1 << 10));
   CHECK_FALSE(opened(path, 100 << 20));
   CHECK_FALSE(opened(folder.write("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")));
+}
+
+TEST_CASE("a small file that states very many cells is not read in parts") {
+  const ScratchFolder folder;
+  const auto grid_of = [&](int pieces) {
+    std::string text = "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\"><UnstructuredGrid>\n";
+    for (int i = 0; i < pieces; ++i) text += "<Piece NumberOfPoints=\"8\" NumberOfCells=\"2000000000\"/>\n";
+    return opened(folder.write("many.vtu", text + "</UnstructuredGrid></VTKFile>\n"));
+  };
+  CHECK(grid_of(2));
+  CHECK_FALSE(grid_of(200));
 }
 
 TEST_CASE("a damaged grid that is read in parts gives an error") {

@@ -265,6 +265,12 @@ TEST_CASE("zarr: the codec delta gives the sums of differences, in each byte ord
       other.replace(at, 3, type);
     CHECK(opened({{"zarr.json", other}})->arrays().front().problem.find("delta") != std::string::npos);
   }
+  // Differences across the chunks of a shard are not undone in each chunk.
+  const std::string shards =
+      "[" + delta + ",{\"name\":\"sharding_indexed\",\"configuration\":{\"chunk_shape\":[2],\"codecs\":" + kBytes +
+      ",\"index_codecs\":[{\"name\":\"bytes\",\"configuration\":{\"endian\":\"little\"}}]}}]";
+  const std::string problem = opened({{"zarr.json", v3("[4]", "[4]", "int16", shards)}})->arrays().front().problem;
+  CHECK(problem.find("inside of the shards") != std::string::npos);
 }
 
 TEST_CASE("zarr: Hostile metadata give one reason each") {
