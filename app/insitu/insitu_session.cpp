@@ -169,8 +169,11 @@ int InSituSession::begin_step(std::int64_t step, double time) {
     decision.next_contact = number + 1;
   }
   if (!ranks_.broadcast(decision)) return fail(GS_INSITU_FAILED, "the communicator failed");
+  // A rank without memory keeps the former values, so that the calls of all ranks still match.
   if (!ranks_.is_first() && decision.parameters <= decision.values.size())
-    parameters_.set({decision.values.begin(), decision.values.begin() + decision.parameters});
+    (void)ranks_.attempt("parameters", [&] {
+      parameters_.set({decision.values.begin(), decision.values.begin() + decision.parameters});
+    });
   next_contact_ = decision.next_contact;
   if (decision.chunks > decision.chunk.size() || !send_chunks(std::span(decision.chunk).first(decision.chunks)))
     return fail(GS_INSITU_FAILED, "the communicator failed");

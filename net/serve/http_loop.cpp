@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <exception>
 #include <limits>
 
 #include <arpa/inet.h>
@@ -215,8 +216,12 @@ void HttpLoop::pace(Instant now) {
 }
 
 bool HttpLoop::is_still_waiting(const Waiting& waiting) const {
-  if (waiting.lane == kPostLane) return !waiting.later();
-  if (waiting.lane == kContentLane) return options_.content(waiting.content).state == HeldContent::State::waiting;
+  try {
+    if (waiting.lane == kPostLane) return !waiting.later();
+    if (waiting.lane == kContentLane) return options_.content(waiting.content).state == HeldContent::State::waiting;
+  } catch (const std::exception&) {
+    return false;  // the repeated request fails and closes its connection
+  }
   return made_->is_waiting(waiting.lane, waiting.key);
 }
 

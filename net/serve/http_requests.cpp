@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <cstring>
 #include <ctime>
+#include <exception>
 
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -155,7 +156,11 @@ MHD_Result HttpLoop::on_request(void* self, MHD_Connection* handle, const char*,
   auto* request = static_cast<Request*>(*context);
   if (!request || !request->connection) return MHD_NO;
   if (*upload_size != 0) return MHD_NO;
-  return loop->handle(*request, handle, method, version);
+  try {
+    return loop->handle(*request, handle, method, version);
+  } catch (const std::exception&) {
+    return MHD_NO;  // closes this connection; libmicrohttpd is C and must not see exceptions
+  }
 }
 
 MHD_Result HttpLoop::handle(Request& request, MHD_Connection* handle, const char* method, const char* version) {

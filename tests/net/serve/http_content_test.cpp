@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <memory>
+#include <new>
 #include <string>
 #include <thread>
 #include <variant>
@@ -22,6 +23,8 @@ struct ContentServer {
     options.folder = folder.path("");
     options.content_wait = wait;
     options.content = [this](const ContentRequest& request) -> HeldContent {
+      if (request.path == "full" || (request.path == "full later" && ready)) throw std::bad_alloc();
+      if (request.path == "full later") return {State::waiting, {}, {}};
       if (request.path != "a b/c" && request.path != "a b/") return {};
       if (!ready) return {State::waiting, {}, {}};
       return {State::ready, "text/x-test", "content"};
@@ -60,6 +63,19 @@ TEST_CASE("a request for content that is not ready in time must be repeated") {
   CHECK(got.status == 503);
   CHECK(got.headers.contains("retry-after"));
   CHECK(fetch(made.server->port(), "/a%20b/c", {}, "HEAD").status == 202);
+}
+
+TEST_CASE("content that fails closes its connection, and the server goes on") {
+  ContentServer made(std::chrono::seconds(60));
+  CHECK(fetch(made.server->port(), "/full").status == 0);
+  std::thread later([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    made.ready = true;
+    made.server->wake();
+  });
+  CHECK(fetch(made.server->port(), "/full%20later").status == 0);
+  later.join();
+  CHECK(fetch(made.server->port(), "/a%20b/c").body == "content");
 }
 
 TEST_CASE("a server stops while requests wait for content") {
