@@ -73,7 +73,7 @@ net::HeldContent LiveRelay::content(const net::ContentRequest& request) {
     if (url.empty()) return {};
     net::Request wanted;
     wanted.url = url;
-    // Requests with an authorization are not redirected: another server may be one that the client must not reach.
+    // The authorization disables redirects. So the client cannot reach other servers through this relay.
     wanted.authorization = "Bearer " + known->token;
     pending_[request.path].coming = std::async(std::launch::async, [this, wanted = std::move(wanted)] {
       SmallAnswer answer = small_request(wanted, false, load_, stop_, kMostRelayedBytes);

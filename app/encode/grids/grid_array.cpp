@@ -10,10 +10,10 @@
 namespace gs::app {
 namespace {
 
-// Bytes of a block of plain data: whole numbers of any type, and whole groups of base64.
+// Bytes of a block of plain data. A multiple of the sizes of all types, and of 3 bytes, a group of base64.
 constexpr std::uint64_t kPlainBlock = 3 << 15;
 constexpr std::uint64_t kMostGridBlock = std::uint64_t{16} << 20, kMostGridBlocks = std::uint64_t{1} << 22;
-// Bytes of decompressed blocks that are kept.
+// Bytes of decompressed blocks to keep. At least two blocks are kept.
 constexpr std::uint64_t kKept = std::uint64_t{2} << 20;
 
 int digit_of(std::byte byte) {
@@ -117,7 +117,7 @@ std::optional<std::string> GridArray::read_table() {
   return std::nullopt;
 }
 
-// Reports whether the base64 text of the header ends with padding, so that the data are encoded apart.
+// Reports whether the base64 text of the header ends with padding. If so, the data are a separate base64 text.
 bool GridArray::ends_with_padding(std::uint64_t bytes) const {
   std::array<std::byte, 1> last{};
   return bytes % 3 != 0 && file_->read(place_ + (bytes + 2) / 3 * 4 - 1, last) == 1 && last[0] == std::byte{'='};
@@ -131,14 +131,14 @@ std::uint64_t GridArray::word_at(std::span<const std::byte> bytes, std::size_t i
 }
 static_assert(std::endian::native == std::endian::little);
 
-// Reads bytes as stored, counted from the start of the header.
+// Reads stored bytes, not decompressed. `offset` counts from the start of the header.
 bool GridArray::read_stored(std::uint64_t offset, std::span<std::byte> to) const {
   if (!base64_) return file_->read(place_ + offset, to) == to.size();
   if (data_ != 0 && offset >= head_) return read_base64(data_, offset - head_, to);
   return read_base64(place_, offset, to);
 }
 
-// Decodes bytes of a base64 text without blanks that begins at `place`.
+// Decodes bytes of the base64 text at `place`, which must have no blanks. `offset` counts decoded bytes.
 bool GridArray::read_base64(std::uint64_t place, std::uint64_t offset, std::span<std::byte> to) const {
   const std::uint64_t first = offset / 3, end = (offset + to.size() + 2) / 3;
   std::vector<std::byte> text(static_cast<std::size_t>((end - first) * 4));
@@ -170,7 +170,7 @@ const GridArray::Block* GridArray::block(std::uint64_t number) {
   if (packed_) {
     const std::uint64_t from = number == 0 ? 0 : ends_[static_cast<std::size_t>(number - 1)];
     const std::uint64_t length = ends_[static_cast<std::size_t>(number)] - from;
-    // Compressed data are never much longer than the block.
+    // zlib never enlarges a block much.
     if (length > 2 * block_ + 1024) return nullptr;
     std::vector<std::byte> packed(static_cast<std::size_t>(length));
     if (!read_stored(head_ + from, packed) || unpack_into(packed, made.bytes, own_budget())) return nullptr;

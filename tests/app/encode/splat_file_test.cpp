@@ -102,7 +102,7 @@ Bytes compressed_ply(std::size_t count, bool harmonics) {
   for (const char* name : {"packed_position", "packed_rotation", "packed_scale", "packed_color"})
     header += std::string("property uint ") + name + "\n";
   if (harmonics) {
-    // Fewer rows than splats: the last splats have no harmonics.
+    // Has fewer rows than splats, so the last splats have no harmonics.
     header += "element sh " + std::to_string(count - 100) + "\n";
     for (int k = 0; k < 9; ++k) header += "property uchar f_rest_" + std::to_string(k) + "\n";
   }

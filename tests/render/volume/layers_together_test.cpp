@@ -112,7 +112,7 @@ TEST_CASE("shows Gaussians inside of a volume, and the volume in front of and be
   CHECK(psnr_of(both, exact) > 34);
   CHECK(psnr_of(both, exact) > psnr_of(behind, exact) + 4);
   CHECK(psnr_of(both, exact) > psnr_of(before, exact) + 6);
-  // The slabs of one content are its picture.
+  // A content that is alone looks the same in slabs as in one piece.
   CHECK(psnr_of(rasterize_together({nothing, splats}, view, {}, range).pixels, splats(view, {}).pixels) > 45);
   CHECK(rasterize_together({nothing, nothing}, view, {}, range).empty());
   CHECK(rasterize_together({nothing, splats}, SplatView{}, {}, range).empty());

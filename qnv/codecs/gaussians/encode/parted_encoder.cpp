@@ -42,7 +42,7 @@ struct SampledSplat {
 };
 
 /// Encoder of one scene. Each rank reads some runs of the source, and encodes some parts. All ranks encode the common
-/// tree, because the others would wait for its result.
+/// tree, because each rank would otherwise wait for the result of one rank.
 class PartedEncoder {
  public:
   PartedEncoder(const GaussianSource& source, std::size_t most, const EncodeOptions& options, Progress* progress)
@@ -215,7 +215,7 @@ class PartedEncoder {
     }
   }
 
-  /// Calls work(i) for this rank's parts, several at a time if memory permits. Returns false once a call does.
+  /// Calls work(i) for this rank's parts, several at a time if memory permits. Stops and returns false if a call fails.
   template <class Work>
   bool for_parts(const Work& work) {
     const std::size_t each = most_ * (kSplatBytes + kHarmonicBytes * harmonic_count(source_.degree));
@@ -298,7 +298,7 @@ class PartedEncoder {
   const EncodeOptions& options_;
   Progress* progress_;
   EncodeRanks shared_;
-  RankShare runs_, own_;  // runs of the source, and parts, of this rank
+  RankShare runs_, own_;  // this rank's runs of the source, and its parts
   SharedStore store_;
   StreamPlan plan_;
   std::unique_ptr<SpaceCells> cells_;
