@@ -1,8 +1,8 @@
 // Measures Gaussian splats: `gaussian_bench [--size WxH] [--threads N] [--runs N] [--copies N] [--backend NAME
-// [--samples N] [--path cpu]] [--error E] FILE...`. Prints for each file the number of splats, and the median and least
+// [--samples N] [--path cpu]] [--error E] FILE...`. Prints for each file the number of splats, and median and minimum
 // times of a picture (1024x768) over a turn around the model, on the CPU. With a backend, draws by the renderer, with
-// OpenGL and on the CPU: while the eye moves around the model, so that OpenGL sorts for each picture, and while it
-// looks around from one place, so that the order stays. Also prints the PSNR between both paths. `--path cpu` omits
+// OpenGL and on the CPU. First the eye moves around the model, so that OpenGL sorts for each picture. Then the eye
+// looks around from one position, so that the order stays. Also prints the PSNR between both paths. `--path cpu` omits
 // OpenGL.
 // `--copies` puts copies of the splats beside each other. `--error E` draws cuts with an error of E pixels.
 #include "app/loading/world_loader.h"

@@ -60,8 +60,8 @@ class TogetherEncoding {
   qnv::Ranks& ranks_;
   std::string folder_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  ProgressBar progress_{leads()};  // the hidden output of the others is for errors
-  std::optional<SplatSurvey> survey_;  // of a large file of splats
+  ProgressBar progress_{leads()};      // the hidden output of the others is for errors
+  std::optional<SplatSurvey> survey_;  // set if the input is a large file of splats
   std::optional<EncodeInput> opened_;
   bool shared_ = false;  // each process encodes a part; otherwise rank 0 encodes alone
   std::unique_ptr<PartStore> store_;

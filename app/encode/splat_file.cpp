@@ -23,7 +23,7 @@ struct FileRuns {
   PutAside put_aside;
 
   [[nodiscard]] std::uint64_t runs() const { return (rows.count + kSplatRun - 1) / kSplatRun; }
-  /// Calls take(splats) for the splats of a run. Returns false if the call does, or if the run cannot be read.
+  /// Calls take(splats) for the splats of a run. Returns false if the call returns false, or if reading fails.
   bool read(std::uint64_t run, const std::function<bool(const qnv::Gaussians&)>& take) const {
     const std::size_t first = static_cast<std::size_t>(run) * kSplatRun,
                       count = std::min(kSplatRun, rows.count - first);
@@ -64,7 +64,7 @@ std::optional<FileRuns> runs_of(std::string_view path, std::span<const std::byte
   return FileRuns{std::move(*rows), bytes.size(), put_aside};
 }
 
-/// Reads the runs of a rank.
+/// Surveys the runs of a rank. Returns nullopt if a run cannot be read.
 std::optional<SplatSurvey> own_survey(const FileRuns& file, const qnv::RankShare& runs) {
   SplatSurvey survey;
   for (std::uint64_t run = runs.first; run < runs.end; ++run) {
@@ -101,7 +101,7 @@ std::vector<std::byte> bytes_of(const SplatSurvey& survey) {
   return to.take();
 }
 
-/// Adds the runs of the next rank.
+/// Adds the survey of the next rank, which it reads from `from`.
 void add_survey(SplatSurvey& all, TransferReader& from) {
   const auto runs = from.list<SplatSurvey::Run>();
   all.runs.insert(all.runs.end(), runs.begin(), runs.end());

@@ -24,10 +24,10 @@ struct SplatFile {
 
 /// Facts about all splats of a file.
 struct SplatSurvey {
-  /// Consecutive rows of the file, which processes share.
+  /// Consecutive rows of the file. Ranks divide the runs among them.
   struct Run {
-    std::uint64_t splats = 0;  // visible ones
-    double area = 0;           // of their discs
+    std::uint64_t splats = 0;  // number of visible splats
+    double area = 0;           // total area of their discs
   };
   std::vector<Run> runs;
   int degree = 0;
@@ -42,7 +42,7 @@ struct SplatSurvey {
 [[nodiscard]] std::optional<SplatSurvey> survey_splats(std::string_view path, std::span<const std::byte> bytes,
                                                        std::size_t more_than, const PutAside& put_aside,
                                                        qnv::Ranks& ranks);
-/// Opens a file with more than `more_than` splats, like survey_splats(). Without a survey, reads it once. Returns
+/// Opens a file with more than `more_than` splats. `known` is its survey; if it is null, reads the file once. Returns
 /// nullopt for other files, and for splats that are discs of one opacity. `bytes` must outlive the result. Safe for
 /// untrusted input; the size of a run bounds the memory.
 [[nodiscard]] std::optional<SplatFile> open_splat_file(std::string_view path, std::span<const std::byte> bytes,

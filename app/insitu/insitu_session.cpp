@@ -29,11 +29,11 @@ PartFacts facts_of_parts(const std::vector<View>& parts) {
   return facts;
 }
 
-// Default shares of run time: for grids that ranks keep for requests, and for data that are encoded at once, which cost
-// more for the first picture.
+// Default shares of run time: for grids that ranks keep for requests, and for other data. Other data are encoded at
+// once, so their first picture costs more.
 constexpr double kShareOfKept = 0.02, kShareOfEncoded = 0.1;
 
-constexpr const char* kNoMemory = "a rank has not enough memory for the step; set a smaller max_memory";
+constexpr const char* kNoMemory = "a rank does not have enough memory for the step; set a smaller max_memory";
 
 std::string text_or(const char* text, const char* fallback) { return text && *text ? text : fallback; }
 
@@ -360,7 +360,7 @@ int InSituSession::end_step() {
   timer.reset();
   step_cost_ += spent() - begun;
   if (ranks_.is_first() && !options_.background) {
-    // Viewers request the overview of each kept step.
+    // The cost includes the overview, because viewers request it for each kept step.
     const std::lock_guard lock(shared_.mutex);
     pace_.note_cost(step_cost_ + (data.served ? shared_.overview_seconds : 0), grid_bytes);
     shared_.reserve = pace_.cost();
@@ -375,7 +375,7 @@ void InSituSession::clear_step() {
   particles_.clear();
 }
 
-// Returns the seconds in which the output blocked without using the processor.
+// Encodes and publishes a step. Returns the seconds in which the output blocked without using the processor.
 double InSituSession::encode_and_publish(const StepData& data, Clock::time_point ended) {
   double waited = 0;
   std::vector<std::string> problems;

@@ -35,7 +35,7 @@ struct SessionOptions {
   bool serve = false, background = false, thin = false;
   std::uint16_t port = 0;
   double error = 0, relative_error = 0.001, max_share = 0;
-  bool usual_share = false;  // the caller left the choice of max_share to the library
+  bool usual_share = false;  // true if the library chooses the share (GS_INSITU_USUAL_SHARE)
   std::int64_t every = 1;
   std::uint64_t max_memory = std::uint64_t{256} << 20;
   unsigned threads = 1;
@@ -83,7 +83,7 @@ class InSituSession : NonCopyable {
 
  private:
   using Clock = std::chrono::steady_clock;
-  /// Adds the time of its scope to the library's own time.
+  /// Timer that adds the time of its scope to the library's own time.
   class OwnTime;
 
   InSituSession(const SessionOptions& options, const gs_insitu_communicator* communicator)
@@ -93,8 +93,8 @@ class InSituSession : NonCopyable {
     kept_facts_.resize(facts_.size());
   }
   [[nodiscard]] double now() const;
-  /// Returns the processor time of the calling thread, plus the time in which the library blocked it. The time in which
-  /// other programs use the processor does not count.
+  /// Returns the processor time of the calling thread, plus the time in which the library blocked it. Excludes the time
+  /// in which other programs use the processor.
   [[nodiscard]] double spent() const;
   [[nodiscard]] double own() const;
   [[nodiscard]] RankFacts own_facts() const;
@@ -105,7 +105,7 @@ class InSituSession : NonCopyable {
   void serve_kept(const StepPlan& plan, const std::shared_ptr<KeptField>& field, StepData& data);
   [[nodiscard]] bool send_chunks(std::span<const WantedChunk> wanted);
   [[nodiscard]] bool share_permits() const;
-  /// Charges the processor time of the server's thread, which calls this.
+  /// Charges the processor time of the calling thread, which must be the server's thread.
   void charge_server(double overview, std::size_t bytes);
   void choose_fields(std::span<const RankFacts> all);
   double encode_and_publish(const StepData& data, Clock::time_point ended);
@@ -138,7 +138,7 @@ class InSituSession : NonCopyable {
   std::vector<ParticlesView> particles_;
   std::uint64_t taken_ = 0, peak_bytes_ = 0;
   double slowest_own_ = 0;  // own time of the slowest rank, as far as rank 0 knows
-  double step_cost_ = 0;    // time in the calls of the open step
+  double step_cost_ = 0;    // time that the library spent in calls for the open step
   double waited_ = 0;       // time in which the output blocked the calling thread
 
   /// State shared with the background thread.
@@ -148,7 +148,7 @@ class InSituSession : NonCopyable {
     double processor_seconds = 0;  // of all threads
     double server_seconds = 0;     // processor time of the server's thread that is part of `own_seconds`
     double overview_seconds = 0;   // processor time of the last chunk of an overview
-    double reserve = 0;            // cost of the next step, which chunks below the overview leave unused
+    double reserve = 0;            // cost of the next step; chunks below the overview leave this time unused
     std::uint64_t cost_bytes = 0;
     bool cost_is_new = false;
     std::uint64_t stream_bytes = 0;

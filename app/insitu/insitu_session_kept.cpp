@@ -61,7 +61,7 @@ bool InSituSession::keep_step(const StepPlan& plan, StepData& data) {
   if (!ranks_.agree(own_kept, all_kept)) return false;
   if (!all_kept) {
     if (own_kept) kept_.pop_back();
-    problem_ = "a rank has not enough memory for the step; set a smaller max_memory";
+    problem_ = "a rank does not have enough memory for the step; set a smaller max_memory";
     return true;
   }
   const KeptFacts facts{field->range(), field->error()};

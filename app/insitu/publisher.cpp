@@ -124,7 +124,7 @@ std::optional<std::string> Publisher::start_server() {
   http.folder = folder_;
   http.bind = options_.bind;
   http.port = options_.port;
-  // Each request is charged with the processor time of the requests before it, which includes their transfer.
+  // Charges the processor time since the previous request, which includes the transfer of the previous answer.
   http.type_of = [this](const std::string& name) {
     charge();
     note_file(name);

@@ -19,7 +19,7 @@ namespace {
 
 using WideLine = std::pair<glm::dvec3, glm::dvec3>;
 
-/// Projects lines into a viewport. Clips them at the viewer.
+/// Projects lines into a viewport. Clips them at a near plane in front of the viewer.
 std::vector<PixelLine> projected(std::span<const WideLine> lines, const Pose& pose, const Viewport& viewport,
                                  const glm::dmat4& world_from_lines) {
   const glm::dquat viewer_from_world = glm::conjugate(glm::dquat(pose.orientation));

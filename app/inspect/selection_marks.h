@@ -27,7 +27,7 @@ using PixelLine = std::pair<glm::vec2, glm::vec2>;
 /// clip them at the borders of the viewport.
 [[nodiscard]] std::vector<PixelLine> edges_of(const WideBox& box, const Pose& pose, const Viewport& viewport,
                                               const glm::dmat4& world_from_box = glm::dmat4(1));
-/// Projects the three circles of a sphere in the planes of the axes, like edges_of().
+/// Projects the great circles of a sphere that are perpendicular to the axes. Clips them like edges_of().
 [[nodiscard]] std::vector<PixelLine> circles_of(const glm::dvec3& center, double radius, const Pose& pose,
                                                 const Viewport& viewport, const glm::dmat4& world_from_sphere);
 

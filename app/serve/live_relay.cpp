@@ -80,7 +80,7 @@ net::HeldContent LiveRelay::content(const net::ContentRequest& request) {
     if (url.empty()) return {};
     net::Request wanted;
     wanted.url = url;
-    // Requests with an authorization are not redirected: another server may be one that the client must not reach.
+    // The authorization disables redirects. So the client cannot reach other servers through this relay.
     wanted.authorization = "Bearer " + known->token;
     pending_[request.path].running = send(std::move(wanted), kMostRelayedBytes);
     return {State::waiting, {}, {}};
@@ -146,7 +146,9 @@ net::PostAnswer LiveRelay::post(const net::PostRequest& request) {
   net::Request wanted;
   wanted.url = url_of_live(known, path->resource);
   if (wanted.url.empty())
-    return {404, "the simulation runs on another machine and accepts only local connections; set bind"};
+    return {404,
+            "the simulation runs on another machine and accepts only local connections; set bind to an address of its "
+            "node"};
   if (!request.query.empty()) wanted.url += "?" + request.query;
   wanted.post = true;
   wanted.authorization = "Bearer " + known.token;

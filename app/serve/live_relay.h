@@ -57,7 +57,7 @@ class LiveRelay : NonCopyable {
   const LoadOptions load_;
   std::atomic<bool> stop_{false};
   std::map<std::string, Pending> pending_;  // by path
-  std::vector<Change> posts_;               // changes without an answer
+  std::vector<Change> posts_;               // changes that wait for an answer
 };
 
 /// Path of a file of a simulation, and path of a resource below it.

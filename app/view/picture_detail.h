@@ -29,8 +29,8 @@ class PictureDetail {
                                                               {true, 4},
                                                               {true, 8}}};
 
-  /// Returns the error of Gaussians at a level, in pixels of the reduced resolution. A coarser level must save time, and
-  /// errors below ten pixels leave most Gaussians.
+  /// Returns the accepted error of Gaussians at a level, in pixels of the reduced resolution. Coarser levels must save
+  /// time, but errors below ten pixels leave most Gaussians in the picture.
   [[nodiscard]] static constexpr float splat_error(std::size_t level) { return level == 0 ? 1.0f : 16.0f; }
 
   /// Returns the level of quality of the next picture: an index into kQualities. `changing` means that the next picture

@@ -1,4 +1,4 @@
-// Replies that the program gives itself: changes, and content that does not exist in the folder.
+// Responses by functions of the program: to POST requests, and for content that does not exist in the folder.
 #include "net/serve/http_site.h"
 
 #include <utility>

@@ -48,9 +48,9 @@ struct PostRequest {
 struct PostAnswer {
   int status = 200;
   std::string message;  // body of the answer, for users
-  /// If not empty, the answer is not ready yet. Then the server calls the function after HttpServer::wake(), and
-  /// several times a second, until it returns an answer. It must not block, and returns the same answer if called
-  /// again.
+  /// Function that returns the answer when it is ready; empty if this is the answer. The server calls it after
+  /// HttpServer::wake(), and several times a second, until it returns an answer. It must not block. If called again, it
+  /// returns the same answer.
   std::function<std::optional<PostAnswer>()> later = {};
 };
 

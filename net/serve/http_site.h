@@ -51,8 +51,8 @@ struct HttpAnswer {
 /// Lanes of requests that wait for HttpServerOptions::content, and for PostAnswer::later.
 inline constexpr std::size_t kContentLane = std::numeric_limits<std::size_t>::max(), kPostLane = kContentLane - 1;
 /// Result if a file must be made first. Repeat the request when the key no longer waits. After `wait`, repeat it with
-/// `waited_long`. In the lane kContentLane, `content` replaces the key; in kPostLane, `later` does, and the repeated
-/// request has it.
+/// `waited_long`. In kContentLane, `content` takes the role of the key. In kPostLane, `later` does, and the repeated
+/// request must contain it.
 struct WaitForMade {
   std::size_t lane = 0;
   std::string key;

@@ -14,16 +14,16 @@
 namespace gs::render {
 namespace {
 
-// Memory of the decoded clusters of one file.
+// Limits of the levels of one file: bytes of decoded clusters, bytes for cuts, and number of Gaussians.
 constexpr qnv::SplatLimits kLevelLimits{std::size_t{1} << 27, std::size_t{1} << 28, GaussianLevels::kMost};
 // Maximum number of Gaussians of a view that moves. Two cores draw about 8 M per second.
 constexpr std::size_t kMostMoving = 400'000;
-// Seconds after the end of a motion in which the cut becomes fine. Longer than its fades.
+// Maximum seconds from the end of a motion until all Gaussians replace the cut. Longer than the fades of the cut.
 constexpr double kSettling = 0.28;
 
 /// Encodes Gaussians and decodes the part that a view needs. Returns null if it is cancelled or impossible.
 std::unique_ptr<qnv::SplatStream> encoded_levels(const qnv::Gaussians& gaussians, const qnv::LodView& view,
-                                            Progress& progress) {
+                                                 Progress& progress) {
   qnv::EncodeOptions options;
   options.threads = 1;  // other threads draw
   auto encoded = qnv::encode_gaussians(gaussians, options, &progress);
@@ -58,7 +58,7 @@ bool GaussianLevels::working() const {
 void GaussianLevels::forget_unused() {
   std::erase_if(entries_, [&](const auto& one) {
     const std::shared_ptr<Work>& work = one.second.work;
-    const bool runs = work && !work->done;  // then the thread is an owner
+    const bool runs = work && !work->done;  // then the thread is one of the owners
     if (one.first.use_count() > (runs ? 1 : 0)) return false;
     if (runs) {
       work->progress.cancelled = true;

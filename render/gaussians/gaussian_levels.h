@@ -14,13 +14,13 @@ namespace gs::render {
 /// View of a viewport that draws Gaussians.
 struct GaussianMotion {
   qnv::LodView view;
-  float coarseness = 1;  // factor of the error of `view`; above 1 while the view moves
-  double time = 0;       // of the viewport's clock, in seconds
+  float coarseness = 1;  // factor that the error of `view` includes; above 1 while the view moves
+  double time = 0;       // time of the viewport's clock, in seconds
 };
 
 /// Levels of detail for Gaussians that are in memory as a whole. A thread encodes them as a stream. While a view moves,
-/// a cut of this stream replaces them. At rest, the cut becomes as fine as they are, and then they return. Runs on one
-/// thread.
+/// a cut of this stream replaces them. At rest, the cut first becomes fine; then the Gaussians replace it. One thread,
+/// apart from the encoding.
 class GaussianLevels : NonCopyable {
  public:
   /// Minimum and maximum number of Gaussians that get levels.

@@ -107,7 +107,7 @@ class GaussianCollector {
       if (auto view = view_of(item, &gaussians, budget)) {
         if (options_.most_decoded > 0)
           view->most_decoded = std::max<std::size_t>(options_.most_decoded / kDecodingCost, 1);
-        // A GPU draws fast enough, until pictures show the opposite.
+        // A GPU is usually fast enough. So with OpenGL, levels start only with a slow motion.
         if (const auto* runs =
                 levels_.cut(shared, {*view, options_.splat_error, *options_.time}, !with_gl_, scene_.pending))
           return add_runs(item, *runs);

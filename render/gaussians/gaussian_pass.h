@@ -36,7 +36,7 @@ class GaussianPass {
   void draw(const RenderList& list, const Camera& camera, const Projection& projection, const DrawOptions& options,
             FrameStatistics& statistics, bool any_opaque = true);
 
-  /// Returns the Gaussians for VolumePass, if the CPU draws them. Valid until the list or the pass changes.
+  /// Returns a rasterizer, or nullopt with OpenGL or without Gaussians. Valid until the list or the pass changes.
   [[nodiscard]] std::optional<LayerRaster> rasterizer(const RenderList& list, const Camera& camera,
                                                       const Projection& projection, const DrawOptions& options,
                                                       FrameStatistics& statistics);

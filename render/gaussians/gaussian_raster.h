@@ -63,8 +63,8 @@ void project_gaussians(const GaussianItem& item, const SplatView& view, std::siz
 /// `supersample` of `view`. Colours are blended as they are, without conversion (KHR_gaussian_splatting).
 ///
 /// Gives identical bits for any number of threads. Memory is bounded by the numbers of splats and pixels. Returns an
-/// empty layer if nothing is in view. Without `with_depths`, the layer has no depths, which takes less time. Thread-safe;
-/// accepts any numbers.
+/// empty layer if nothing is in view. If `with_depths` is false, omits the depths of the layer, which saves time.
+/// Thread-safe; accepts any numbers.
 [[nodiscard]] VolumeLayer rasterize_gaussians(std::span<const GaussianItem> items, const SplatView& view,
                                               const VolumeStops& stops = {}, bool with_depths = true);
 

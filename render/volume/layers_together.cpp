@@ -19,7 +19,7 @@ class BlendedLayers {
  public:
   explicit BlendedLayers(std::size_t pixels) : colors_(4 * pixels, 0.0f) {}
 
-  /// Blends more distant pixels of 8 bits.
+  /// Blends 8-bit pixels behind all earlier ones.
   void add(std::span<const std::uint8_t> pixels, unsigned threads) {
     for_pixels(threads, [&](std::size_t i) {
       float* const color = colors_.data() + 4 * i;
@@ -52,7 +52,7 @@ class BlendedLayers {
   std::vector<float> colors_;  // RGBA
 };
 
-/// Sets stops that are at most `farthest`. Without stops, nothing is hidden up to there.
+/// Limits stops to at most `farthest`. If `stops` is empty, all limited stops are `farthest`.
 void limit(std::span<const float> stops, float farthest, std::vector<float>& limited) {
   for (std::size_t i = 0; i < limited.size(); ++i) limited[i] = stops.empty() ? farthest : std::min(stops[i], farthest);
 }
@@ -69,7 +69,7 @@ VolumeLayer rasterize_together(const std::array<LayerRaster, 2>& contents, const
   std::vector<float> near(pixels), far(has_edges ? pixels : 0);
   bool any = false;
   const float step = (range.farthest - range.nearest) / static_cast<float>(std::max<std::size_t>(slabs, 1));
-  // Slabs `slabs` + 1 and 0 are behind and in front of the range.
+  // Slab 0 is in front of the range, and slab `slabs` + 1 is behind it.
   for (std::size_t slab = 0; slab < slabs + 2; ++slab)
     for (std::size_t content = 0; content < contents.size(); ++content) {
       const auto bound = [&](std::size_t i) {
@@ -87,7 +87,7 @@ VolumeLayer rasterize_together(const std::array<LayerRaster, 2>& contents, const
         limited.far = far;
       }
       const VolumeLayer one = contents[content](part, limited);
-      // The slab in front begins at the near plane, so it counts all splats.
+      // Slab 0 begins at the near plane, so its count includes all splats.
       if (slab == 0) layer.vectors += one.vectors;
       if (one.empty()) continue;
       any = true;

@@ -9,8 +9,8 @@
 
 namespace gs::render {
 
-/// Rasterizes a content of an image: splats beyond the near plane of the view, up to the stops. A layer without depths
-/// suffices.
+/// Function that rasterizes one content of an image: splats beyond the near plane of the view, up to the stops. Its
+/// layer may omit the depths.
 using LayerRaster = std::function<VolumeLayer(const SplatView& view, const VolumeStops& stops)>;
 
 /// Depths along the view axis, in camera units.
@@ -20,9 +20,9 @@ struct DepthRange {
 
 constexpr std::size_t kSlabs = 8;  // slabs of a range in which two contents overlap
 
-/// Rasterizes two contents that overlap in a range of depths. Divides the range into slabs. Blends the slabs of both in
-/// the order of their depths; those of the second content are shifted by half a slab. So a splat is at most half a slab
-/// too far in front or behind. The layer has no depths. Returns an empty layer if nothing is in view.
+/// Rasterizes two contents that overlap in a range of depths. Divides the range into slabs, and blends the slabs in
+/// depth order. Slabs of the second content are shifted by half a slab. So splats of different contents that are half a
+/// slab apart or more have the right order. The layer has no depths. Returns an empty layer if nothing is in view.
 [[nodiscard]] VolumeLayer rasterize_together(const std::array<LayerRaster, 2>& contents, const SplatView& view,
                                              const VolumeStops& stops, const DepthRange& range,
                                              std::size_t slabs = kSlabs);

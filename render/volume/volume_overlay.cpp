@@ -123,7 +123,7 @@ void VolumeOverlay::draw(const VolumeLayer& layer, const VolumeStops& stops, con
   gl_.Disable(GL_CULL_FACE);
   gl_.Enable(GL_BLEND);
   gl_.BlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-  // With stops, the layer has nothing behind them.
+  // If there are stops, the layer has no splats behind them.
   const bool plain = layer.edge_pixels.empty() && (layer.depth.empty() || !stops.near.empty());
   if (plain) {
     draw_plain(layer, options);

@@ -15,14 +15,14 @@ class VolumeOverlay {
  public:
   explicit VolumeOverlay(const Gl& gl);
 
-  /// Composites a layer with premultiplied colours. `stops` are those with which it was rasterized. Tests depths only if
-  /// the samples of a pixel differ, or if there are no stops; a layer without depths is in front of everything. Writes
-  /// no depth. Leaves blending and the depth test off, and depth writes on.
+  /// Composites a layer with premultiplied colours, which was rasterized with `stops`. Tests depths only if the samples
+  /// of a pixel differ, or if there are no stops. A layer without depths is in front of everything. Writes no depth.
+  /// Leaves blending and the depth test off, and depth writes on.
   void draw(const VolumeLayer& layer, const VolumeStops& stops, const Projection& projection,
             const DrawOptions& options);
 
  private:
-  /// Texture that is at least as large as the layers.
+  /// Texture that is at least as large as the last layer. Later layers reuse it.
   struct LayerTexture {
     Texture texture;
     int width = 0, height = 0;

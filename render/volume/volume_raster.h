@@ -39,9 +39,9 @@ struct VolumeLayer {
   /// Like `pixels`, but for the nearest samples. Empty if near and far are equal everywhere.
   std::vector<std::uint8_t> edge_pixels;
   /// View-space depth where the opacity reaches 0.5, otherwise of the nearest vector: distance along the view axis in
-  /// camera units. 0 means that the pixel is empty. The array is empty if no depths were requested.
+  /// camera units. 0 means an empty pixel. The array is empty if no depths were requested.
   std::vector<float> depth;
-  PixelBox used;                     // pixels outside of it are transparent
+  PixelBox used;            // pixels outside of it are transparent
   std::size_t vectors = 0;  // vectors in view that have an opacity
 
   [[nodiscard]] bool empty() const { return pixels.empty(); }

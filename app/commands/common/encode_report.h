@@ -19,8 +19,8 @@ struct EncodeInput {
   OpenedInput input;
 };
 
-/// Opens the inputs. First checks that the output may be written, because encoding may take long. Prints errors. With a
-/// survey of a file of splats, does not read this file.
+/// Opens the inputs. First checks that the output may be written, because encoding may take long. Prints errors.
+/// `known` is the survey of a file of splats, which is then not surveyed again; it may be null.
 [[nodiscard]] std::optional<EncodeInput> open_encode_input(const ConversionOptions& options, ProgressBar& progress,
                                                            const SplatSurvey* known = nullptr);
 /// Surveys the input if it is a large file of splats, which the ranks read together. Returns nullopt for other inputs.

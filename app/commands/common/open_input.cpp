@@ -184,7 +184,7 @@ std::optional<MeshStream> large_mesh(const LoadingOptions& options, const Conten
   return mesh;
 }
 
-/// Maps a local file. Returns null if it cannot be opened.
+/// Maps a local file. Returns null for URLs, and for files that cannot be opened.
 std::shared_ptr<const net::MappedFile> mapped_input(const std::string& path) {
   if (is_url_input(path)) return nullptr;
   auto mapped = net::map_file(local_input(path));

@@ -64,7 +64,7 @@ struct OpenedInput {
 /// Surveys a local file with too many splats for one common tree (app/encode/splat_file.h). Returns nullopt for other
 /// files, and for those that cannot be opened. Collective.
 [[nodiscard]] std::optional<SplatSurvey> survey_many_splats(const std::string& path, qnv::Ranks& ranks);
-/// Opens such a file. Without a survey, reads it once. Returns nullopt for other files.
+/// Opens a local file with too many splats for one tree. If `known` is null, surveys it. Returns nullopt for others.
 [[nodiscard]] std::optional<OpenedInput> open_many_splats(const std::string& path, const SplatSurvey* known = nullptr);
 /// Opens a local file of an unstructured grid that exceeds memory (app/encode/grids/). Returns nullopt for other files.
 [[nodiscard]] std::optional<OpenedInput> open_grid_in_parts(const InputOptions& options, const std::string& path);

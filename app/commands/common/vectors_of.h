@@ -30,8 +30,8 @@ struct EncodeOutput {
 /// exceeds memory, or splats that are read in pieces.
 [[nodiscard]] bool shares_work(const ConversionOptions& options, const OpenedInput& input);
 
-/// Encodes an input (qnv::encode) with the settings of the options. Only volumes and splats use the sink of `output`;
-/// other streams have their bytes in memory.
+/// Encodes an input (qnv::encode) with the settings of the options. Only values of volumes and Gaussian splats use the
+/// sink of `output`; other streams have their bytes in memory.
 [[nodiscard]] std::variant<qnv::EncodedStream, qnv::EncodeError> encode_input(const ConversionOptions& options,
                                                                               const OpenedInput& input,
                                                                               ProgressBar& progress,

@@ -75,8 +75,7 @@ Problem set_exposure(SplatEditOptions& options, const std::string& value) {
 constexpr OptionRow kSplatOptions[] = {
     {"--crop-box", "X,Y,Z,X,Y,Z", "",
      "Gaussian splats: keep those with centres in the box between two corners; repeat it, or add --crop-sphere, to "
-     "keep "
-     "those in any of the regions",
+     "keep those in any of the regions",
      "encode export ", with<add_box<false>>, true},
     {"--crop-sphere", "X,Y,Z,RADIUS", "", "Gaussian splats: keep those with centres in the sphere, like --crop-box",
      "encode export ", with<add_sphere<false>>, true},

@@ -10,7 +10,7 @@
 namespace gs::app {
 namespace {
 
-// Bytes of a block of plain data: whole numbers of any type, and whole groups of base64.
+// Bytes of a block of plain data. A multiple of the sizes of all types, and of 3 bytes, a group of base64.
 constexpr std::uint64_t kPlainBlock = 3 << 15;
 constexpr std::uint64_t kMostGridBlock = std::uint64_t{16} << 20, kMostGridBlocks = std::uint64_t{1} << 22;
 // Maximum bytes and number of decompressed blocks that are kept. The number bounds the search for a block.
@@ -46,10 +46,10 @@ std::variant<GridArray, std::string> GridArray::open(std::shared_ptr<const net::
   const auto type = vtk_type_of(array.type);
   const std::string name = "the array '" + array.name.substr(0, 80) + "': ";
   if (!type || array.format == "ascii")
-    return name + "parts of text cannot be read; expected binary or appended data, or a larger --memory";
+    return name + "text cannot be read in parts; use binary or appended data, or raise --memory";
   if (!header.compressor.empty() && header.compressor != "vtkzlibdatacompressor")
-    return name + "parts of data compressed with '" + header.compressor.substr(0, 80) +
-           "' cannot be read; expected vtkZLibDataCompressor or none, or a larger --memory";
+    return name + "data compressed with '" + header.compressor.substr(0, 80) +
+           "' cannot be read in parts; use vtkZLibDataCompressor or none, or raise --memory";
   if (numbers > kMostNumbers) return name + "it has too many numbers; expected at most 2^48";
   GridArray made;
   made.file_ = std::move(file);
@@ -117,7 +117,7 @@ std::optional<std::string> GridArray::read_table() {
   return std::nullopt;
 }
 
-// Reports whether the base64 text of the header ends with padding, so that the data are encoded apart.
+// Reports whether the base64 text of the header ends with padding. If so, the data are a separate base64 text.
 bool GridArray::ends_with_padding(std::uint64_t bytes) const {
   std::array<std::byte, 1> last{};
   return bytes % 3 != 0 && file_->read(place_ + (bytes + 2) / 3 * 4 - 1, last) == 1 && last[0] == std::byte{'='};
@@ -131,14 +131,14 @@ std::uint64_t GridArray::word_at(std::span<const std::byte> bytes, std::size_t i
 }
 static_assert(std::endian::native == std::endian::little);
 
-// Reads bytes as stored, counted from the start of the header.
+// Reads stored bytes, not decompressed. `offset` counts from the start of the header.
 bool GridArray::read_stored(std::uint64_t offset, std::span<std::byte> to) const {
   if (!base64_) return file_->read(place_ + offset, to) == to.size();
   if (data_ != 0 && offset >= head_) return read_base64(data_, offset - head_, to);
   return read_base64(place_, offset, to);
 }
 
-// Decodes bytes of a base64 text without blanks that begins at `place`.
+// Decodes bytes of the base64 text at `place`, which must have no blanks. `offset` counts decoded bytes.
 bool GridArray::read_base64(std::uint64_t place, std::uint64_t offset, std::span<std::byte> to) const {
   const std::uint64_t first = offset / 3, end = (offset + to.size() + 2) / 3;
   std::vector<std::byte> text(static_cast<std::size_t>((end - first) * 4));
@@ -170,7 +170,7 @@ const GridArray::Block* GridArray::block(std::uint64_t number) {
   if (packed_) {
     const std::uint64_t from = number == 0 ? 0 : ends_[static_cast<std::size_t>(number - 1)];
     const std::uint64_t length = ends_[static_cast<std::size_t>(number)] - from;
-    // Compressed data are never much longer than the block.
+    // zlib never enlarges a block much.
     if (length > 2 * block_ + 1024) return nullptr;
     std::vector<std::byte> packed(static_cast<std::size_t>(length));
     if (!read_stored(head_ + from, packed) || unpack_into(packed, made.bytes, own_budget())) return nullptr;

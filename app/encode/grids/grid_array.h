@@ -49,12 +49,12 @@ class GridArray {
   StoredType type_ = StoredType::f32;
   bool big_endian_ = false, base64_ = false, packed_ = false;
   std::size_t word_ = 4;               // bytes of a number of the header
-  std::uint64_t numbers_ = 0;          // that the caller may read
-  std::uint64_t place_ = 0;            // of the header in the file
+  std::uint64_t numbers_ = 0;          // count of numbers that the caller may read
+  std::uint64_t place_ = 0;            // offset of the header in the file
   std::uint64_t head_ = 0;             // bytes of the header
-  std::uint64_t data_ = 0;             // place of the data in the file, if the header is encoded apart; else 0
+  std::uint64_t data_ = 0;             // offset of the data in the file, if they are a separate base64 text; else 0
   std::uint64_t block_ = 0;            // bytes of a decompressed block
-  std::vector<std::uint64_t> ends_;    // of the compressed blocks, relative to the data
+  std::vector<std::uint64_t> ends_;    // ends of the compressed blocks, relative to the data
   std::uint64_t bytes_ = 0, use_ = 0;  // decompressed bytes; number of uses of blocks
   std::vector<Block> kept_;
 };

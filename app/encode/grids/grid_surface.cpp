@@ -19,9 +19,9 @@ namespace {
 
 using qnv::EncodeError;
 
-// Number of points or values that are read together.
+// Maximum number of points or values to read together.
 constexpr std::uint64_t kTogether = std::uint64_t{1} << 16;
-// Colours of cells without values, as in importers: if other cells have values, and if no cell has.
+// Colours of cells without values if other cells have values, and if no cell has values. Importers use them, too.
 const qnv::Rgb8 kWithoutValues{128, 128, 128}, kPlain{204, 204, 204};
 
 /// Triangle in the store.
@@ -54,7 +54,7 @@ class RunTriangles {
                const std::optional<ColorKey>& key, bool shows, const glm::dvec3& origin)
       : part_(part), run_(run), cells_(cells), key_(key), shows_(shows), origin_(origin) {}
 
-  /// Adds a polygon as a fan. Skips polygons with missing or infinite corners. Returns false if the file is damaged.
+  /// Adds a polygon as a fan. Skips polygons with missing or non-finite corners. Returns false if the file is damaged.
   bool add(std::span<const std::int32_t> corners, std::size_t cell) {
     if (corners.size() < 3) return true;
     places_.clear();
@@ -131,7 +131,7 @@ class RunTriangles {
   const LargeGrid::Run& run_;
   const GridRun& cells_;
   const std::optional<ColorKey>& key_;
-  bool shows_;  // some cells have values
+  bool shows_;  // the surface shows an array
   glm::dvec3 origin_;
   std::vector<glm::vec3> places_;
   std::vector<qnv::Rgb8> colors_;
@@ -163,9 +163,9 @@ class GridSurfaceMaker {
     for (const LargeGrid::Run& run : grid_.runs) progress_->total += run.cells * passes / shared_.count();
   }
 
-  /// Reads ranges in this rank's share of the points or cells.
+  /// Finds the ranges of values and coordinates in this rank's share of the points and cells.
   std::optional<EncodeError> survey() {
-    // A piece of work is kTogether points or cells of a part.
+    // An element of `work` is a part, and the first of kTogether points and cells.
     std::vector<std::pair<std::uint32_t, std::uint64_t>> work;
     for (std::uint32_t part = 0; part < grid_.parts.size(); ++part) {
       const LargeGrid::Part& of = grid_.parts[part];
@@ -223,7 +223,7 @@ class GridSurfaceMaker {
     key_ = color_key_of_choice(values, title, grid_.choice);
   }
 
-  /// Returns the title of the values of the first part that has them; empty if none has, or if they are colours.
+  /// Returns the title of the shown array in the first part with this array. Empty for colours, or without the array.
   [[nodiscard]] std::string title() const {
     const VtkShownArray& shown = grid_.files.shown;
     for (const LargeGrid::Part& part : grid_.parts)
@@ -250,12 +250,15 @@ class GridSurfaceMaker {
       RunTriangles made(part, run, cells, key_, !grid_.files.shown.name.empty(), origin_);
       bool good = made.add_flat();
       for (; next != outer.end() && next->run == number && good; ++next) {
-        if (next->cell() >= cells.types.size()) return EncodeError{"another program changed the file"};
+        if (next->cell() >= cells.types.size())
+          return EncodeError{grid_.path_of(grid_.parts[run.part].file) +
+                             ": another program changed the file; encode it again"};
         const std::uint8_t type = cells.types[next->cell()];
         const GridShape shape = grid_shape(type);
         const auto cell = cells.cell(next->cell());
         if (next->face() >= shape.faces.size() || cell.size() < shape.corners)
-          return EncodeError{"another program changed the file"};
+          return EncodeError{grid_.path_of(grid_.parts[run.part].file) +
+                             ": another program changed the file; encode it again"};
         good = made.add(face_of(cell, type, next->face()).list(), next->cell());
       }
       if (!good) return EncodeError{grid_.path_of(grid_.parts[run.part].file) + ": the arrays are damaged"};
@@ -268,7 +271,7 @@ class GridSurfaceMaker {
     return shared_.store().publish() ? std::nullopt : std::optional(EncodeError{shared_.store().problem()});
   }
 
-  /// Collects the places of all triangles. Collective.
+  /// Collects the offsets of all ranks' triangles in the store, and returns their mesh. Collective.
   std::variant<MeshStream, EncodeError> stream() {
     MeshStream made;
     auto all = std::make_shared<const std::vector<StoredTriangles>>(

@@ -24,7 +24,7 @@ const VtkArray* array_in(const VtkXmlHeader& header, std::size_t piece, VtkSecti
   return nullptr;
 }
 
-// Returns the memory in which an importer could find the surface. Assumes hexahedra, because types are not read.
+// Returns the bytes that an importer needs to find the surface. Assumes hexahedra, because it does not read the types.
 double import_bytes(const LargeGrid& grid) {
   double bytes = 0;
   for (const LargeGrid::Part& part : grid.parts)
@@ -60,7 +60,7 @@ std::optional<LargeGrid> open_large_grid(const VolumeFile& file, std::uint64_t m
   const std::span<const std::byte> bytes = file.content.bytes;
   const VtkFileClass kind = vtk_class_of(bytes);
   const bool names_others = kind == VtkFileClass::pieces || kind == VtkFileClass::blocks || kind == VtkFileClass::steps;
-  // A grid takes more memory than its file. Small files need not be parsed twice.
+  // Assumes that an importer needs at most 8 times the bytes of a file. So small files are not parsed twice.
   constexpr std::uint64_t kLeastShare = 8;
   const bool large = kind == VtkFileClass::leaf && bytes.size() > memory / kLeastShare;
   if (needs_all || !(large || names_others)) return std::nullopt;
@@ -77,7 +77,7 @@ std::optional<LargeGrid> open_large_grid(const VolumeFile& file, std::uint64_t m
     const VtkXmlHeader& header = grid.files.files[i].header;
     for (std::size_t piece = 0; piece < header.pieces.size(); ++piece) {
       const VtkPiece& from = header.pieces[piece];
-      // The corners of a cell may be any points of its part.
+      // Corners of cells are 32-bit numbers of points of the part.
       if (from.points > kMostGridPoints || from.cells > kMostGridPoints) return std::nullopt;
       if (from.points == 0 || from.cells == 0) continue;
       // A small file may state any number of cells.
@@ -193,7 +193,7 @@ std::variant<GridRun, std::string> GridPartReader::cells(const LargeGrid::Run& r
   return cells;
 }
 
-// Empties hidden cells, and cells with hidden points, as hide_cells() does.
+// Sets the type of hidden cells, and of cells with hidden points, to 0 (empty), like hide_cells().
 std::optional<std::string> GridPartReader::hide(const LargeGrid::Run& run, GridRun& cells) {
   const auto flag_of = [](double value, bool old) {
     const auto stored = value > 0 && value < 256 ? static_cast<std::uint8_t>(value) : std::uint8_t{0};

@@ -24,7 +24,7 @@ struct LargeGrid {
   /// Consecutive cells of a part, which one process reads.
   struct Run {
     std::uint32_t part = 0, cells = 0;
-    std::uint64_t first = 0;  // of the cells in the part
+    std::uint64_t first = 0;  // number of the first cell in the part
   };
   static constexpr std::uint64_t kRunCells = std::uint64_t{1} << 16;
 
@@ -38,20 +38,20 @@ struct LargeGrid {
   [[nodiscard]] std::string path_of(std::size_t file) const;
 };
 
-/// Opens an unstructured grid if its surface cannot be found within `memory` bytes. Reads only headers. Returns nullopt
-/// for other files, and for choices that need all values at once.
+/// Opens an unstructured grid if an importer would need more than `memory` bytes for its surface. Reads only headers.
+/// Returns nullopt for other files, and for choices that need all values at once.
 [[nodiscard]] std::optional<LargeGrid> open_large_grid(const VolumeFile& file, std::uint64_t memory);
 
 /// Returns true if the values of an array are colours.
 [[nodiscard]] bool stores_colors(const VtkArray& array, const VoxelComponent& choice);
-/// Returns the title of the values of an array, for a colour key; empty if they are colours or have too many
+/// Returns the title of the values of an array, for a colour key. Returns an empty title for colours, and for too many
 /// components.
 [[nodiscard]] std::string title_of_values(const VtkArray& array, const VoxelComponent& choice);
 
 /// Cells of a run. Corners are numbers of points in the part, or kBadIndex.
 struct GridRun {
   std::vector<std::uint8_t> types;  // 0 for hidden cells
-  std::vector<std::size_t> ends;    // of the cells in `corners`
+  std::vector<std::size_t> ends;    // end of each cell in `corners`
   std::vector<std::int32_t> corners;
 
   [[nodiscard]] std::span<const std::int32_t> cell(std::size_t i) const {
@@ -67,17 +67,17 @@ class GridPartReader {
   [[nodiscard]] static std::variant<std::unique_ptr<GridPartReader>, std::string> open(const LargeGrid& grid,
                                                                                        std::size_t part);
 
-  /// Reads cells. A run has at most `most_corners` corners. Returns a message on failure.
+  /// Reads the cells of a run. Returns a message on failure, also if they have more than `most_corners` corners.
   [[nodiscard]] std::variant<GridRun, std::string> cells(const LargeGrid::Run& run, std::size_t most_corners);
-  /// Reads the positions of consecutive points, or the shown values of consecutive points or cells: one number each, or
-  /// colours of three or four numbers. Returns false if the file is damaged.
+  /// Read the positions of consecutive points, and the shown values of consecutive points or cells. A value has width()
+  /// numbers. Return false if the file is damaged.
   [[nodiscard]] bool positions(std::uint64_t first, std::span<double> to) { return points_->read(3 * first, to); }
   [[nodiscard]] bool values(std::uint64_t first, std::span<double> to);
 
   [[nodiscard]] bool has_values() const { return values_.has_value(); }
   [[nodiscard]] bool has_colors() const { return colors_; }
   [[nodiscard]] bool of_points() const { return of_points_; }
-  /// Returns the number of values of a point or cell: 1, or 3 for colours.
+  /// Returns the count of numbers in a shown value: 1, or 3 for colours.
   [[nodiscard]] std::size_t width() const { return colors_ ? 3 : 1; }
   [[nodiscard]] bool wide() const { return wide_; }
   [[nodiscard]] const LargeGrid::Part& part() const { return part_; }
@@ -93,7 +93,7 @@ class GridPartReader {
   const LargeGrid::Part& part_;
   std::shared_ptr<const net::RandomAccessFile> file_;
   std::optional<GridArray> points_, types_, ends_, corners_, values_, cell_flags_, point_flags_;
-  bool old_flags_ = false;  // cell_flags_ are levels of older files
+  bool old_flags_ = false;  // cell_flags_ has the ghost levels of older files (vtkGhostLevels)
   bool colors_ = false, of_points_ = false, wide_ = false;
   std::size_t components_ = 1;
 };

@@ -17,7 +17,7 @@ using qnv::EncodeError;
 
 /// Face of a cell with its key: the part, and the sorted corners.
 struct StoredFace {
-  std::array<std::int32_t, 4> corners{};  // a triangle ends with kFaceEnd, which is first when sorted
+  std::array<std::int32_t, 4> corners{};  // sorted; for a triangle, the first one is kFaceEnd
   std::uint32_t part = 0;
   OuterFace face;
 
@@ -30,12 +30,12 @@ struct FaceBlock {
   std::uint32_t bucket = 0, faces = 0;
 };
 
-// Most faces of a cell.
+// Maximum number of faces of a cell.
 constexpr std::uint64_t kMostFaces = 6;
-// Shares of the memory limit: faces of the bucket that is compared, faces that wait for their block, outer faces.
+// Divisors of the memory limit: for the bucket that is compared, for faces that wait for storage, for outer faces.
 constexpr std::uint64_t kBucketShare = 16, kWaitingShare = 16, kOuterShare = 8;
 constexpr std::uint64_t kLeastMemory = std::uint64_t{1} << 20;
-// A bucket may exceed its share so many times.
+// Maximum size of a bucket, as a multiple of its share.
 constexpr std::uint64_t kUneven = 4;
 
 /// Search for the outer faces of one grid.
@@ -50,8 +50,8 @@ class FaceSearch {
     std::uint64_t cells = 0;
     for (const LargeGrid::Run& run : grid.runs) cells += run.cells;
     const std::uint64_t least = std::uint64_t{4} * shared.count(), most = std::max<std::uint64_t>(least, 1 << 16);
-    buckets_ = static_cast<std::size_t>(std::clamp<std::uint64_t>(
-        cells * kMostFaces * sizeof(StoredFace) / (memory_ / kBucketShare) + 1, least, most));
+    buckets_ = static_cast<std::size_t>(
+        std::clamp<std::uint64_t>(cells * kMostFaces * sizeof(StoredFace) / (memory_ / kBucketShare) + 1, least, most));
     waiting_.resize(buckets_);
     most_waiting_ = static_cast<std::size_t>(
         std::clamp<std::uint64_t>(memory_ / kWaitingShare / buckets_ / sizeof(StoredFace), 16, 2048));
@@ -91,7 +91,7 @@ class FaceSearch {
     for (std::size_t i = 0; i < cells.types.size(); ++i) {
       const GridShape shape = grid_shape(cells.types[i]);
       if (shape.as == GridShape::As::polyhedron)
-        return EncodeError{"polyhedra of a grid that exceeds memory cannot be read in parts; raise --memory"};
+        return EncodeError{"grids with polyhedra cannot be read in parts; raise --memory"};
       const auto cell = cells.cell(i);
       if (shape.as != GridShape::As::solid || cell.size() < shape.corners) continue;
       for (std::size_t face = 0; face < shape.faces.size(); ++face) {
@@ -110,7 +110,7 @@ class FaceSearch {
   }
 
   bool wait(const StoredFace& face) {
-    // Faces of neighbours often have near corners, and then share a bucket. So a run has few buckets.
+    // Neighbouring faces often have similar numbers of corners, and then share a bucket. So a run uses few buckets.
     constexpr int kNear = 8;
     const auto least = static_cast<std::uint32_t>(face.corners[face.corners[0] == kFaceEnd ? 1 : 0]);
     const std::uint64_t place = std::uint64_t{face.part} << 32 | least;
@@ -167,7 +167,7 @@ class FaceSearch {
     if (shared_.count() == 1) return std::move(outer_);
     std::vector<std::uint64_t> ends;
     for (std::uint64_t rank = 1; rank <= shared_.count(); ++rank) {
-      const auto end = static_cast<std::uint32_t>(grid_.runs.size() * rank / shared_.count());  // as share_of()
+      const auto end = static_cast<std::uint32_t>(grid_.runs.size() * rank / shared_.count());  // like share_of()
       const auto at = std::ranges::lower_bound(outer_, end, {}, &OuterFace::run);
       ends.push_back(static_cast<std::uint64_t>(at - outer_.begin()) * sizeof(OuterFace));
     }
@@ -196,7 +196,7 @@ class FaceSearch {
 }  // namespace
 
 std::size_t most_run_corners(std::uint64_t memory) {
-  constexpr std::uint64_t kLeast = 27 * LargeGrid::kRunCells;  // quadratic hexahedra
+  constexpr std::uint64_t kLeast = 27 * LargeGrid::kRunCells;  // hexahedra of VTK have up to 27 corners
   return static_cast<std::size_t>(std::max(kLeast, memory / 64 / sizeof(double)));
 }
 

@@ -23,21 +23,21 @@ struct OuterFace {
   [[nodiscard]] std::size_t face() const { return place & ((1u << kFaceBits) - 1); }
 };
 
-/// Corners of a face in the order of the file. Corners that repeat are left out, so that a face may have fewer than 3.
+/// Corners of a face, in order around it. Coinciding neighbours count once, so that a face may have fewer than 3.
 struct FaceCorners {
   std::array<std::int32_t, 4> corners{};
   std::size_t count = 0;
   [[nodiscard]] std::span<const std::int32_t> list() const { return std::span(corners).first(count); }
 };
-/// Returns face `face` of a solid cell. Some writers store wedges as hexahedra with coinciding corners.
+/// Returns face `face` of a solid cell. Merges coinciding corners: some writers store wedges as hexahedra with them.
 [[nodiscard]] FaceCorners face_of(std::span<const std::int32_t> cell, std::size_t type, std::size_t face);
 
 /// Returns the maximum number of corners of a run for a memory limit.
 [[nodiscard]] std::size_t most_run_corners(std::uint64_t memory);
 
-/// Returns the faces of solid cells that only one cell has, of the runs of this rank, sorted by run and place. Each
-/// rank reads its runs and sends each face to the rank that compares it, through the store. Memory is bounded by
-/// `memory` bytes, apart from the table of runs. Collective.
+/// Returns the outer faces of the solid cells in this rank's runs, sorted by run and place. An outer face belongs to
+/// only one cell. Each rank reads its runs, and passes each face through the store to the rank that compares it. Memory
+/// is bounded by `memory` bytes, apart from the tables of runs and of stored blocks. Collective.
 [[nodiscard]] std::variant<std::vector<OuterFace>, qnv::EncodeError> outer_faces(const LargeGrid& grid,
                                                                                  qnv::EncodeRanks& shared,
                                                                                  std::uint64_t memory,

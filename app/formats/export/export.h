@@ -55,7 +55,7 @@ using Exported = std::variant<std::vector<std::byte>, std::string>;
 [[nodiscard]] Exported export_glb(const qnv::Geometry& geometry, const ExportOptions& options = {});
 
 /// Export Niantic's SPZ: version 4 (zstd) and version 3 (gzip). The axes are right, up, back. A position
-/// has 24 bits, relative to the largest coordinate. Sizes are accurate to 6 %. Both functions refuse input without
+/// has 24 bits, relative to the largest coordinate. Sizes are accurate to 3 %. Both functions refuse input without
 /// visible vectors, because SPZ cannot represent it.
 [[nodiscard]] Exported export_spz(const qnv::Geometry& geometry, const ExportOptions& options = {});
 [[nodiscard]] Exported export_spz3(const qnv::Geometry& geometry, const ExportOptions& options = {});
@@ -108,7 +108,7 @@ struct ExportFormat {
   std::optional<std::string> (*write_pieces)(const qnv::Geometry& geometry, const ExportOptions& options,
                                              const std::function<bool(std::span<const std::byte>)>& take) = nullptr;
   std::string_view rounding = {};  // message about the rounding of Gaussian splats; empty if they are kept exactly
-  std::string_view harmonics_rounding = {};  // end of this message, for splats with harmonics
+  std::string_view harmonics_rounding = {};  // appended to `rounding` for splats with harmonics
 };
 
 /// Returns all formats. If several formats share an extension, the first one is its default.

@@ -83,8 +83,8 @@ std::vector<std::string> export_losses(const ExportFormat& format, const qnv::Ge
         losses.push_back("splats become " + value + "; .ply, .spz, .sog and .splats.glb keep them");
   if (gaussians && gaussians->antialiased && lacks(kKeepsFilter) && !lacks(kKeepsGaussians))
     losses.emplace_back(
-        "the mark of splats for antialiased drawing (Mip-Splatting) is left out, so that small splats become more "
-        "opaque; .ply, .spz and .sog keep it");
+        "the flag for antialiased drawing (Mip-Splatting) is not kept, so small splats become more opaque"
+        "; .ply, .spz and .sog keep it");
   if (gaussians && !format.rounding.empty())
     losses.push_back(std::string(format.rounding) +
                      (gaussians->degree > 0 ? std::string(format.harmonics_rounding) : std::string()));

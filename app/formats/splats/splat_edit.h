@@ -35,8 +35,8 @@ struct SplatCrop {
 /// Edit of Gaussian splats by the user. The crops and the limits select splats, in source coordinates. The remaining
 /// splats are scaled and turned about the point 0 0 0, and then moved. The exposure changes their colours.
 struct SplatEdit {
-  /// Regions in any order. A splat stays if it is in no region that removes, and in at least one of those that keep. If
-  /// no region keeps, it stays outside of all that remove.
+  /// Regions in any order. A splat remains if it is in no region that removes, and in at least one region that keeps.
+  /// If no region keeps, all splats outside of the removing regions remain.
   std::vector<SplatCrop> crops;
   double least_opacity = 0;  // minimum opacity of a splat at its centre
   double most_size = 0;      // maximum standard deviation of a splat; 0 means unlimited

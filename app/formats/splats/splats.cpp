@@ -181,7 +181,7 @@ qnv::Gaussians vectors_of_splats(const SplatModel& model) {
   const std::size_t per = qnv::harmonic_count(model.degree);
   splats.harmonics.reserve(per * model.size());
   const std::array<float, 15> signs = harmonic_signs(model.axes);
-  double area = 0;  // of the present run
+  double area = 0;  // total of the current run
   for (std::size_t i = 0; i < model.size(); ++i) {
     if (i % kSplatRun == 0) description.total += std::exchange(area, 0.0);
     Disc disc = disc_of(model, i);

@@ -36,7 +36,7 @@ inline constexpr char kThickSplats[] = "splats not discs";
 inline constexpr float kMinOpacity = 1.0f / 255;
 /// Maximum ratio of the smallest to the middle standard deviation of a splat that counts as a disc.
 inline constexpr float kMaxDiscThickness = 0.3f;
-/// Number of splats in a run. Files are read in runs, and areas are summed by run, so that both sums are equal.
+/// Number of splats in a run. Importers sum areas by run, too, so that reading in ranges gives equal sums.
 inline constexpr std::size_t kSplatRun = std::size_t{1} << 15;
 /// Memory in bytes to convert one splat: as read, and as converted.
 inline constexpr std::size_t kSplatMemory = 190;
@@ -87,8 +87,8 @@ struct SplatModel {
 struct SplatRows {
   std::size_t count = 0;        // number of complete splats in the file
   std::uint64_t announced = 0;  // number of splats that the file claims to have
-  std::size_t start = 0;        // offset of the rows that readers of a range reach last
-  std::size_t row_bytes = 0;    // size of such a row
+  std::size_t start = 0;        // offset of the last table of rows in the file
+  std::size_t row_bytes = 0;    // size of a row of this table
   /// Reads `count` splats from index `first` on into an empty model. Returns a message if the budget is exceeded. The
   /// range must be in the file. Any thread.
   std::function<std::optional<std::string>(std::size_t first, std::size_t count, const WorldBudget& budget,
@@ -118,7 +118,7 @@ using ImportedVectors = std::variant<qnv::Splats, qnv::Gaussians, std::string>;
 /// returns Gaussians. Returns a message if no splat remains.
 [[nodiscard]] ImportedVectors import_result(const SplatModel& model);
 
-/// Reads all splats of an opened file, and returns import_result() of them.
+/// Reads all splats of an opened file, and returns their import_result().
 [[nodiscard]] ImportedVectors import_rows(const OpenedSplatRows& opened, const WorldBudget& budget);
 
 struct PlyTable;
@@ -148,7 +148,7 @@ struct PlyTable;
 /// forward. A truncated file gives its complete splats.
 [[nodiscard]] ImportedVectors import_splats_compressed_ply(std::span<const std::byte> bytes,
                                                            const WorldBudget& budget = own_budget());
-/// Opens a file for import_splats_compressed_ply() in ranges. Charges an ASCII file to `budget` before it is refused.
+/// Opens a file for import_splats_compressed_ply() in ranges. Charges an ASCII file to `budget` before refusing it.
 [[nodiscard]] OpenedSplatRows open_compressed_ply_rows(std::span<const std::byte> bytes, const WorldBudget& budget);
 /// Returns true if a PLY file has the elements and properties of PlayCanvas compressed PLY.
 [[nodiscard]] bool is_splats_compressed_ply(std::span<const std::byte> bytes);

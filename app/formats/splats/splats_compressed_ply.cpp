@@ -109,7 +109,7 @@ void unpack(const Chunk& chunk, const std::array<std::uint32_t, 4>& packed, Spla
   model.opacities[i] = unit(color, 0, 8);
 }
 
-/// Tables of a file. Those of chunks and harmonics may have fewer rows than the splats need.
+/// Tables of a file. The tables of chunks and harmonics may be too short for all splats.
 struct CompressedTables {
   PlyTable chunks, splats;
   std::optional<PlyTable> harmonics;

@@ -10,9 +10,9 @@
 
 namespace gs::app::insitu {
 
-/// Appends the records of all ranks to those of rank 0, in messages of about 1 MiB. If all records together
-/// exceed `most_bytes`, or a rank lacks memory, removes them on all ranks instead, and sets `fits` to false. `whole` is
-/// false if this rank could not make its records. Collective. Returns false if the communication failed.
+/// Appends the records of all ranks to those of rank 0, in messages of about 1 MiB. `whole` is false if this rank could
+/// not make its records. Removes all records and sets `fits` to false if `whole` is false on a rank, if a rank
+/// lacks memory, or if all records exceed `most_bytes`. Collective. Returns false if the communication failed.
 template <class Record>
 [[nodiscard]] bool gather_records(Ranks& ranks, std::vector<Record>& records, std::uint64_t most_bytes, bool whole,
                                   bool& fits) {

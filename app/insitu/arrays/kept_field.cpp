@@ -179,7 +179,7 @@ void KeptField::pack(const Chunk& chunk, std::uint32_t number, std::vector<std::
 
 namespace {
 
-// Places the pieces of a message of another rank. Returns false if the message is malformed.
+// Copies the pieces in a message of another rank to their chunks. Returns false if the message is malformed.
 bool place_pieces(std::span<const std::byte> message, std::span<const KeptField* const> kept,
                   std::span<const Chunk> chunks, std::vector<std::vector<float>>& made) {
   for (std::size_t at = 0; at < message.size();) {
@@ -237,7 +237,7 @@ bool gather_chunks(Ranks& ranks, std::span<const KeptField* const> kept, std::sp
       return false;
   }
   if (!ranks.is_first()) return true;
-  // Without memory for the delivery, viewers wait and request the chunks again.
+  // If memory does not suffice for the delivery, viewers request the chunks again.
   (void)ranks.attempt("deliver", [&] {
     for (std::size_t i = 0; i < chunks.size(); ++i)
       if (kept[i]) deliver(i, all ? std::move(made[i]) : std::vector<float>());

@@ -41,8 +41,8 @@ class KeptField {
   [[nodiscard]] const Pyramid& pyramid() const { return pyramid_; }
   [[nodiscard]] std::uint64_t serial() const { return serial_; }
 
-  /// Stores the values of layers of a chunk in `values`, from the layer `first` on; x varies fastest. Values of other
-  /// ranks become NaN.
+  /// Copies layers of a chunk to `values`, from the layer `first` on; x varies fastest. Stores NaN for values of other
+  /// ranks.
   void read(const Chunk& chunk, std::uint32_t first, std::span<float> values) const;
   /// Appends this rank's values of a chunk to a message.
   void pack(const Chunk& chunk, std::uint32_t number, std::vector<std::byte>& message) const;

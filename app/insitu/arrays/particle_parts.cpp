@@ -115,7 +115,7 @@ bool gather_particles(Ranks& ranks, std::span<const ParticlesView> parts, const 
 
 std::optional<std::string> encode_particles(const ParticleValues& particles, qnv::EncodeOptions options,
                                             std::vector<std::byte>& bytes) {
-  if (particles.too_large) return "there is not enough memory for the particles; set a smaller max_memory";
+  if (particles.too_large) return "not enough memory for the particles; set a smaller max_memory";
   if (particles.points.empty()) return "there are no particles";
   ValueColors colors;
   colors.title = particles.field.name.data();

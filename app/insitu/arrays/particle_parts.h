@@ -29,7 +29,7 @@ struct ParticleValues {
   std::array<double, 3> origin{};
   double radius = 0;         // 0 means that the density determines it
   std::uint32_t stride = 1;  // every n-th particle of each rank
-  bool too_large = false;    // a rank lacks memory, so the particles are left out
+  bool too_large = false;    // no particles: they exceed max_memory, or a rank lacks memory
   std::vector<ParticlePoint> points;
 };
 

@@ -21,7 +21,7 @@ Ranks::Ranks(const gs_insitu_communicator* table) {
   if (is_first()) agreed_.resize(static_cast<std::size_t>(count_));
 }
 
-// Calls a function of the caller, and measures how long it blocks.
+// Calls a function of the caller. Measures how long it blocks without using the processor.
 template <class Call>
 bool Ranks::run(const Call& call) {
   using Clock = std::chrono::steady_clock;

@@ -45,8 +45,8 @@ class Ranks {
   /// Sets `all` to true if `own` is true on all ranks. Collective.
   bool agree(bool own, bool& all);
 
-  /// Does local work between collective functions. Returns false if it threw an exception, so that the other ranks do
-  /// not wait for this one. `part` names the work for set_fault().
+  /// Does local work between collective functions. Returns false if the work threw an exception. So this rank still
+  /// reaches the next collective function, for which the others wait. `part` names the work for set_fault().
   template <class Work>
   [[nodiscard]] bool attempt(const char* part, const Work& work) noexcept {
     try {
@@ -57,7 +57,7 @@ class Ranks {
       return false;
     }
   }
-  /// Sets a function that may throw instead of the work of attempt(), for tests.
+  /// Sets a function that attempt() calls before its work, and that may throw. For tests.
   void set_fault(std::function<void(const char* part)> fault) { fault_ = std::move(fault); }
 
  private:
@@ -68,7 +68,7 @@ class Ranks {
   int rank_ = 0, count_ = 1;
   bool failed_ = false;
   double blocked_ = 0;
-  std::vector<std::uint32_t> agreed_;  // of each rank, on rank 0
+  std::vector<std::uint32_t> agreed_;  // answers of all ranks in agree(), on rank 0
   std::function<void(const char* part)> fault_;
   std::uint64_t sent_ = 0;
 };

@@ -126,7 +126,7 @@ std::array<double, 3> point_at(const gs_insitu_cells& cells, std::int64_t i) {
   return point;
 }
 
-// Approximate memory of a face in a hash table.
+// Approximate bytes of a face in a hash table.
 constexpr std::size_t kOpenFaceBytes = 150;
 
 // Collector of the outer faces of cells, as triangles. Reads cells one after the other.

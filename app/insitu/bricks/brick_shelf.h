@@ -28,8 +28,8 @@ struct ServedGrid {
   ZarrGrid grid;
   double max_error = 0;
   std::uint32_t thinning = 1;
-  /// Reads layers of a chunk from the memory of this process, from the layer `first` on. Null if ranks send the chunks.
-  /// Any thread.
+  /// Reads layers of a chunk from the memory of this process, from the layer `first` on. Null if other ranks send
+  /// chunks. Any thread.
   std::function<void(const Chunk& chunk, std::uint32_t first, std::span<float> values)> read;
   /// Chunks of the overview, if ranks have sent them.
   std::map<Chunk, std::vector<float>> received;
@@ -53,7 +53,7 @@ class BrickShelf : NonCopyable {
   /// Limits of the work for viewers. The server's thread calls both functions.
   struct Share {
     std::function<bool()> permits;  // reports whether a chunk below the overview may be encoded now
-    // Charges the processor time of the server's thread since the last call. `overview` is the part for the overview.
+    // Charges processor time of the server's thread since the last call. `overview` is its part for an overview chunk.
     std::function<void(double overview, std::size_t bytes)> charge;
   };
   explicit BrickShelf(Share share) : share_(std::move(share)) {}
@@ -96,7 +96,7 @@ class BrickShelf : NonCopyable {
   const Share share_;
   mutable std::mutex mutex_;          // guards the members below
   std::deque<Slot> slots_;            // newest last
-  std::deque<WantedChunk> order_;     // of the encoded chunks, oldest first
+  std::deque<WantedChunk> order_;     // encoded chunks, oldest first
   std::deque<WantedChunk> received_;  // chunks below the overview that ranks have sent, oldest first
   std::size_t encoded_bytes_ = 0;
   ChunkEncoder encoder_;         // used by the server's thread only, without the lock

@@ -21,7 +21,7 @@ std::int16_t code_of(float value, float offset, float inverse, FiniteRange& rang
   return static_cast<std::int16_t>(std::lrint(std::clamp((value - offset) * inverse, -kMaxCode, kMaxCode)));
 }
 
-// Number of steps below which floats hold all multiples of a step, and at most one bit below it.
+// Maximum size of values in steps. Below it, floats hold all multiples of half a step exactly.
 constexpr float kMostSteps = 4'194'304;
 
 // Returns the largest power of two for which the nearest multiple differs from a value by at most `error`; 0 if there
@@ -128,7 +128,7 @@ void dequantise(const std::int16_t* from, std::size_t step, std::size_t count, c
     const float value = scale.offset + static_cast<float>(code) * scale.quantum;
     return code == kMissingCode ? std::numeric_limits<float>::quiet_NaN() : value;
   };
-  if (step == 1)  // a loop of its own, so that the compiler can vectorise it
+  if (step == 1)  // separate loop, so that the compiler can vectorise it
     for (std::size_t i = 0; i < count; ++i) to[i] = value_of(from[i]);
   else
     for (std::size_t i = 0; i < count; ++i) to[i] = value_of(from[i * step]);

@@ -23,7 +23,7 @@ struct ZarrGrid {
   std::string field, unit;
   std::array<double, 3> origin{}, spacing{1, 1, 1};  // of level 0
   CodeScale codes;     // scale of codes of 16 bits; if the step is 0, values are stored as floats
-  float rounding = 0;  // maximum change of floats
+  float rounding = 0;  // maximum error of rounded floats
 };
 
 /// File of a container: metadata of the group, metadata of a level, or a chunk.
@@ -47,7 +47,7 @@ class ChunkEncoder : NonCopyable {
   ~ChunkEncoder();
   /// Function that stores the values of layers of a chunk, from the layer `first` on.
   using ReadLayers = std::function<void(std::uint32_t first, std::span<float> values)>;
-  /// Encodes a chunk of this shape as the metadata of the grid describe. Codes need few layers in memory at a time.
+  /// Encodes a chunk of this shape, in the form that zarr_level() describes. For codes, reads few layers at a time.
   [[nodiscard]] std::string encode(const GridIndex& shape, const ReadLayers& read, const ZarrGrid& grid);
 
  private:

@@ -54,10 +54,10 @@ void SplatsPanel::vector_row(const char* label, const char* id, double* values, 
 bool SplatsPanel::crop_head(const char* label, SplatCrop& crop) {
   splat_label(label, frame_->scale);
   if (ImGui::RadioButton("Keep", !crop.removes)) crop.removes = false;
-  frame_->tooltips.show("Keeps the splats with centres in this region, or in another one to keep");
+  frame_->tooltips.show("Keeps splats with centres in this region, or in another region set to Keep");
   ImGui::SameLine();
   if (ImGui::RadioButton("Remove", crop.removes)) crop.removes = true;
-  frame_->tooltips.show("Removes the splats with centres in this region, also from regions to keep");
+  frame_->tooltips.show("Removes splats with centres in this region, even if another region keeps them");
   ImGui::SameLine();
   const bool kept = !ImGui::SmallButton("Delete");
   frame_->tooltips.show("Deletes this region");

@@ -26,8 +26,8 @@ struct CollectedRequest {
   bool only_total = false;           // the request asks for the length of the resource
 };
 
-/// Status codes that mean that a resource does not exist. Stores such as S3 answer 403 if they may not be listed.
-/// Status 410 means that the resource existed, so it must not become a missing part.
+/// Reports whether an error means that a resource never existed. Stores such as S3 answer 403 if clients may not list
+/// them. Status 410 means that the resource existed, so it must not count as a missing part.
 bool is_absent_resource(const net::LoadError& error) {
   constexpr int kForbidden = 403, kGone = 410;
   return (error.kind == net::LoadErrorKind::not_found && error.http_status != kGone) || error.http_status == kForbidden;

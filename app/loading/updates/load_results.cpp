@@ -23,7 +23,7 @@ std::string title_of(const vrml::SceneGraph& scene) {
   return std::string(scene.x3d().meta("title"));
 }
 
-// Returns the messages other than those about steps of a simulation that it no longer keeps. A newer step follows.
+// Returns all messages except those about steps that a simulation has dropped. A newer step follows.
 Diagnostics without_gone(const Diagnostics& all) {
   const auto is_gone = [](const Diagnostic& one) { return one.message.find("410 Gone") != std::string::npos; };
   if (std::ranges::none_of(all.entries(), is_gone)) return all;  // with the number of those that were not stored

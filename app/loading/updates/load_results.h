@@ -67,7 +67,7 @@ class LoadResults {
   Diagnostics diagnostics_;                         // since the last hand-over
   std::vector<std::shared_ptr<StreamFeed>> feeds_;  // since the last hand-over
   std::vector<OutsideFolder> outside_;              // since the last hand-over
-  bool live_ = false;                               // a running simulation replaces the world
+  bool live_ = false;                               // a running simulation replaces the world by newer steps
   std::variant<LoadedWorld, ResourceUpdates> results_;
   bool changed_ = false;  // something visible has changed
 };

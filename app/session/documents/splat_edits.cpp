@@ -12,7 +12,7 @@ namespace gs::app {
 namespace {
 
 constexpr std::size_t kMostRanked = 200'000;  // maximum number of splats for percentiles
-constexpr double kCropMargin = 0.15;          // of a side, so that feet and hair stay inside
+constexpr double kCropMargin = 0.15;          // share of a side, so that feet and hair stay inside
 
 SplatExtent extent_of_splats(const qnv::Gaussians& splats) {
   SplatExtent extent;

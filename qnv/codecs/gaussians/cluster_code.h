@@ -63,9 +63,9 @@ SplatShape code_splat(Coder& coder, SplatModels& models, const SplatNode& parent
   return {steps, rotation, axes};
 }
 
-/// Codes the children of a Gaussian, which must not be a leaf, and appends the decoded ones to `nodes`. A Gaussian that
-/// `may_stay` has one child without code: itself. With a Writer, `children` is the input; with a Reader, its size is
-/// irrelevant. Returns the number of children.
+/// Codes the children of a Gaussian, which must not be a leaf, and appends the decoded ones to `nodes`. If `may_stay`,
+/// a single child is the Gaussian itself, without code. With a Writer, `children` is the input; with a Reader, its size
+/// is irrelevant. Returns the number of children.
 template <class Coder>
 std::size_t code_children(Coder& coder, SplatModels& models, const SplatNode& parent, bool may_stay,
                           std::span<SplatCode> children, const Precision& precision, std::vector<SplatNode>& nodes) {

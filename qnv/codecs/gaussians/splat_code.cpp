@@ -39,7 +39,7 @@ constexpr double power_of(int eighths) {
   return kEighths[place] * std::bit_cast<double>(static_cast<std::uint64_t>(1023 + octave) << 52);
 }
 
-/// Returns the powers of `first` and the next exponents.
+/// Returns power_of() for `count` consecutive exponents from `first` on.
 template <std::size_t count>
 constexpr std::array<double, count> powers_from(int first) {
   std::array<double, count> all{};
@@ -48,7 +48,7 @@ constexpr std::array<double, count> powers_from(int first) {
 }
 constexpr auto kScales = powers_from<kMostScale + 1>(kLeastOctave * kScaleSteps);
 
-/// Denominators of turns, by the ratio of the scales that they exchange.
+/// Divisors of the steps of turns, by the ratio of the scales in the plane of the turn, in eighths of an octave.
 constexpr int kMostRatio = 40;
 constexpr auto kTurnDivisors = [] {
   std::array<double, kMostRatio + 1> all{};
@@ -59,7 +59,7 @@ constexpr auto kTurnDivisors = [] {
   return all;
 }();
 
-/// Logarithms of opacities to the base 2 in eighths, rounded down.
+/// log2 of opacities in eighths, rounded down, by code; at least -48.
 constexpr auto kFaint = [] {
   std::array<int, kMostOpacity + 1> all{};
   for (int code = 0; code <= kMostOpacity; ++code) {

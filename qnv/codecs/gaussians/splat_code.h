@@ -58,13 +58,13 @@ struct SplatSteps {
 /// Rotation matrix by columns.
 using SplatAxes = std::array<std::array<double, 3>, 3>;
 
-/// Axes and standard deviations of the parent of Gaussians.
+/// Axes and standard deviations of a parent Gaussian.
 struct SplatFrame {
   SplatAxes axes;
   std::array<double, 3> scales;
 };
 
-/// Values of a Gaussian that its code decides before its place.
+/// Values of a Gaussian that follow from its scales, opacity and turn.
 struct SplatShape {
   SplatSteps steps;
   glm::vec4 rotation;
@@ -95,8 +95,8 @@ struct SplatErrors {
 /// Returns the rotation of a child from that of its parent.
 [[nodiscard]] glm::vec4 turned(const glm::vec4& parent, const std::array<int, 3>& turn,
                                const std::array<double, 3>& steps);
-/// Returns the standard deviations of places along the axes of a Gaussian, in steps, if siblings spread like the
-/// parent.
+/// Returns the expected standard deviations of positions along the axes of a Gaussian, in steps. Assumes that siblings
+/// spread like the parent.
 [[nodiscard]] std::array<double, 3> place_spread(const SplatFrame& parent, const SplatAxes& axes,
                                                  const SplatSteps& steps);
 /// Returns the difference of a colour from its code: luma, red against blue, green against both (YCoCg).

@@ -124,7 +124,7 @@ struct SplatModels {
   std::array<std::array<TypicalSize, 2>, 2> scale_size, opacity_size;
 };
 
-/// Returns log2 of a number >= 0 in halves, rounded down, plus 2. Numbers below 2^-1022 have the size 0.
+/// Returns floor(2 log2(value)) + 2 for a number >= 0. Returns 0 for numbers below 2^-1022, infinity and NaN.
 [[nodiscard]] inline int size_of(double value) {
   // The fraction of a double has 52 bits, and its exponent an offset of 1023.
   constexpr std::uint64_t kFraction = (std::uint64_t{1} << 52) - 1, kRoot = 0x6a09e667f3bcd;  // of the root of 2

@@ -70,7 +70,7 @@ struct EncodeOptions {
                                               // source together, with a common `spill`; null means only this process.
                                               // Only rank 0 gets the stream of a surface
   std::optional<double> parity;               // loss of chunks that parity restores, 0 to 0.5; nullopt: as the codec
-                                              // chooses. Displaced surfaces and values; others ignore it
+                                              // chooses. Displaced surfaces, values and gaussians; others ignore it
   glm::dvec3 origin{0};                       // origin of triangles (Description::origin); vectors have their own
   std::vector<std::pair<std::string, std::string>> metadata;
   unsigned threads = 0;

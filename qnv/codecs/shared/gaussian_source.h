@@ -20,7 +20,7 @@ struct GaussianSource {
   /// Users read only positions, scales, rotations, opacities, bases and harmonics. Returns false if `take` did, or if
   /// reading failed.
   std::function<bool(const std::function<bool(const Gaussians&)>& take)> read;
-  /// Numbers of Gaussians of runs, in the order of read(). Processes that share the source read different runs. Empty
+  /// Number of Gaussians in each run, in the order of read(). Ranks that share the source read different runs. Empty
   /// means a single run.
   std::vector<std::uint64_t> runs{};
   /// Passes the Gaussians of one run to `take`, like read().

@@ -32,8 +32,8 @@ class PartSink final : public StreamSink {
   std::uint64_t count_ = 0;
 };
 
-/// Chunks of a stream that several ranks write. Each rank writes consecutive chunks, with the parity and the directory
-/// after them. Rank 0 also writes the header. A rank reads only its chunks, and earlier ones that its parity protects.
+/// Chunks of a stream that several ranks write. Each rank writes consecutive chunks, and the parity or directory that
+/// follows. Rank 0 also writes the header. A rank reads its chunks, and the earlier chunks that its parity protects.
 class PartChunks final : public ChunkList {
  public:
   PartChunks(const ChunkList& all, const Ranks& ranks, PartSink& sink)

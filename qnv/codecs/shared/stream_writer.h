@@ -45,12 +45,12 @@ class ChunkList {
   [[nodiscard]] virtual std::size_t entry_bytes() const { return kDirectoryEntryBytes; }
 };
 
-/// Writes a stream to a sink, like the next function. Returns the header, or an error if the sink or a chunk fails.
+/// Writes a stream to a sink, like write_stream() below. Returns the header, or an error if the sink or a chunk fails.
 [[nodiscard]] std::variant<StreamHeader, EncodeError> write_stream(StreamHeader header, const ChunkList& chunks,
                                                                    std::size_t max_bytes, StreamSink& sink,
                                                                    const Protection& protection = {});
-/// Writes a stream to the sink of the options, or to memory. With several ranks, each one writes a part of the chunks,
-/// with the parity and the directory after them; all ranks have equal lists. Uses `max_bytes`, `sink` and `ranks`.
+/// Writes a stream to the sink of the options, or to memory. With several ranks, each rank writes a part of the chunks,
+/// and all ranks pass equal lists. Uses these options: max_bytes, sink, ranks.
 [[nodiscard]] std::variant<EncodedStream, EncodeError> write_together(StreamHeader header, const ChunkList& chunks,
                                                                       const EncodeOptions& options,
                                                                       const Protection& protection);

@@ -102,7 +102,7 @@ Bytes compressed_ply(std::size_t count, bool harmonics) {
   for (const char* name : {"packed_position", "packed_rotation", "packed_scale", "packed_color"})
     header += std::string("property uint ") + name + "\n";
   if (harmonics) {
-    // Fewer rows than splats: the last splats have no harmonics.
+    // Has fewer rows than splats, so the last splats have no harmonics.
     header += "element sh " + std::to_string(count - 100) + "\n";
     for (int k = 0; k < 9; ++k) header += "property uchar f_rest_" + std::to_string(k) + "\n";
   }
@@ -268,7 +268,7 @@ TEST_CASE("encodes splats in pieces to the same stream as at once") {
   check("scene.ply", compressed, import_splats_compressed_ply(compressed));
 }
 
-TEST_CASE("opens no file in pieces that is small, of another type or truncated") {
+TEST_CASE("opens only complete large files of splats in pieces") {
   const Bytes records = splat_records(100);
   CHECK_FALSE(open_splat_file("scene.splat", records, 100));
   CHECK(open_splat_file("scene.splat", records, 99));

@@ -209,7 +209,7 @@ TEST_CASE("names the loss of antialiased drawing, and the rounding of harmonics 
     CHECK(losses_of(path).find("harmonics") != std::string::npos);
     CHECK(losses_of(path).find("antialiased") == std::string::npos);
   }
-  CHECK(losses_of("a.splats.glb").find("antialiased drawing (Mip-Splatting) is left out") != std::string::npos);
+  CHECK(losses_of("a.splats.glb").find("antialiased drawing (Mip-Splatting) is not kept") != std::string::npos);
   splats.degree = 0;
   splats.harmonics.clear();
   for (const char* path : {"a.spz", "a.v3.spz", "a.sog"}) {

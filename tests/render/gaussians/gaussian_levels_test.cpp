@@ -154,7 +154,7 @@ TEST_CASE("gives up the levels of Gaussians that are replaced, and waits for the
   levels.forget_unused();
   CHECK_FALSE(levels.working());
   const auto second = cloud(5000);
-  start(second, 1);  // a series of Gaussians would make levels in vain
+  start(second, 1);  // a series of Gaussians would never use its levels
   CHECK_FALSE(levels.working());
   start(second, 2.5f);
   CHECK(levels.working());

@@ -46,7 +46,7 @@ double decibels(std::span<const std::uint8_t> pixels, const RayImage& exact) {
 
 }  // namespace
 
-TEST_CASE("blends two contents that overlap by their depths, as an exact picture of both, with stops", "[optimised]") {
+TEST_CASE("blends overlapping contents by depth, close to an exact picture of both, with stops", "[optimised]") {
   const qnv::Volume first = random_volume(6000, 9, 0.06f), second = random_volume(600, 4, 0.2f);
   const VolumeModel models[2] = {volume_model(first), volume_model(second)};
   const SplatView view = view_from({1, 1, 3});
@@ -112,7 +112,7 @@ TEST_CASE("shows Gaussians inside of a volume, and the volume in front of and be
   CHECK(psnr_of(both, exact) > 34);
   CHECK(psnr_of(both, exact) > psnr_of(behind, exact) + 4);
   CHECK(psnr_of(both, exact) > psnr_of(before, exact) + 6);
-  // The slabs of one content are its picture.
+  // A content that is alone looks the same in slabs as in one piece.
   CHECK(psnr_of(rasterize_together({nothing, splats}, view, {}, range).pixels, splats(view, {}).pixels) > 45);
   CHECK(rasterize_together({nothing, nothing}, view, {}, range).empty());
   CHECK(rasterize_together({nothing, splats}, SplatView{}, {}, range).empty());

@@ -6,7 +6,7 @@
 // Functions of the rows of the table of conventions.
 namespace gs::app {
 
-/// Reads attributes of values that many programs share into a grid: unit, title, scale, missing values, valid range.
+/// Reads common attributes of values into a grid: unit, title, scale, missing values, valid range.
 void read_value_attributes(DatasetTree& tree, const ArrayInfo& array, GridSpec& spec);
 /// Reads attributes that many programs share into a grid: unit, scale, missing values, spacing, names of axes.
 void read_common_attributes(DatasetTree& tree, const ArrayInfo& array, GridSpec& spec);

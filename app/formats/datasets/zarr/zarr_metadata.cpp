@@ -126,7 +126,7 @@ void set_zarr_fill(ZarrArray& array, const json& value) {
   });
 }
 
-/// Returns the bytes of the whole numbers of the codec delta.
+/// Returns the size of the numbers that the codec delta subtracts, in bytes.
 std::size_t zarr_delta_bytes(const json& settings) {
   const std::string type = zarr_text(zarr_member(settings, "dtype"));
   const json& stored = zarr_member(settings, "astype");
@@ -138,7 +138,7 @@ std::size_t zarr_delta_bytes(const json& settings) {
   return static_cast<std::size_t>(type[2] - '0');
 }
 
-/// Checks that the codec delta applies to the elements of the array.
+/// Checks that the codec delta fits the elements of the array.
 void check_zarr_delta(const ZarrArray& array) {
   const bool whole = array.type.stored != StoredType::f32 && array.type.stored != StoredType::f64;
   for (std::size_t i = 0; i < array.codecs.size(); ++i)
@@ -265,7 +265,7 @@ void add_zarr_codecs(ZarrArray& array, const json& list, const ZarrTypeName& typ
       array.codec_names = "shards of " + array.codec_names;
       has_bytes = true;
     } else if (name == "numcodecs.delta") {
-      if (has_bytes) throw BadZarrMetadata{"the codec delta follows the codec bytes"};
+      if (has_bytes) throw BadZarrMetadata{"the codec delta follows the codec bytes; expected delta first"};
       add_zarr_codec(array, name, settings);
     } else {
       if (!has_bytes)

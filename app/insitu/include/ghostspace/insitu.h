@@ -121,7 +121,7 @@ typedef struct gs_insitu_communicator {
   int (*receive)(void* context, void* data, size_t bytes, int from, int tag);
 } gs_insitu_communicator;
 
-/* Default of max_share. */
+/* Value of max_share that leaves the choice of the share to the library (default). */
 #define GS_INSITU_USUAL_SHARE (-1.0)
 
 /* Options of a session. gs_insitu_options_init() sets the defaults. All ranks pass equal options. */
@@ -137,9 +137,9 @@ typedef struct gs_insitu_options {
   const char* field;      /* field to serve until a viewer chooses one; NULL: the first field */
   double error;           /* maximum error of each value, in its unit; 0 means that `relative_error` applies */
   double relative_error;  /* maximum error as a share of the range of the step's values; default 0.001 */
-  double max_share;       /* maximum share of run time that the library may take, e.g. 0.05; 0 means unlimited;
-                             default GS_INSITU_USUAL_SHARE: without serve or with folder unlimited; else 0.02 for grids
-                             of more than 65,536 points, and 0.1 for other data */
+  double max_share;       /* maximum share of run time that the library may take, e.g. 0.05; 0 means unlimited.
+                             Default GS_INSITU_USUAL_SHARE: with serve and without folder, 0.02 for grids of more than
+                             65,536 points, and 0.1 for other data; otherwise unlimited */
   int64_t every;          /* takes at most each n-th step; default 1 */
   uint64_t max_memory; /* bytes for data of a step on each rank; a larger grid is thinned by 2, 4, ... per axis, larger
                           sets of particles by any number; default 256 MiB */

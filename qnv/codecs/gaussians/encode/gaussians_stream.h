@@ -12,8 +12,8 @@ namespace gs::qnv {
 inline constexpr std::size_t kMostWholeGaussians = 500'000;
 
 /// Encodes Gaussian splats as a stream: FORMAT.md, "Gaussians payload". Uses these options: vectors, max_bytes,
-/// metadata, parity, splat_steps, part_splats, memory, spill, sink, ranks, threads. All numbers must be finite. Coefficients
-/// of harmonics that are not finite become 0. Runs on any thread; blocks.
+/// metadata, parity, splat_steps, part_splats, memory, spill, sink, ranks, threads. All numbers must be finite, except
+/// for coefficients of harmonics, where other numbers become 0. Runs on any thread; blocks.
 std::variant<EncodedStream, EncodeError> encode_gaussians(const Gaussians& source, const EncodeOptions& options,
                                                           Progress* progress = nullptr);
 /// Encodes Gaussians that may exceed memory. If there are more than EncodeOptions::part_splats, divides them into parts

@@ -44,7 +44,7 @@ bool next_list(std::span<const std::byte>& from, std::vector<T>& list) {
   return true;
 }
 
-/// Calls each(list) for all lists of a top.
+/// Calls each(list) for all lists of a top, until a call returns false.
 template <class Top, class Each>
 bool each_list(Top& top, const Each& each) {
   auto& leaves = top.leaves;

@@ -37,7 +37,7 @@ struct PartTop {
 [[nodiscard]] PartTop top_of(const MergeTree& tree, const Gaussians& source, std::size_t most);
 /// Appends the top of a part to bytes for another process of this program.
 void append_top(std::vector<std::byte>& to, const PartTop& top);
-/// Reads the next top from such bytes, and removes it from them. Returns nullopt if they are too short.
+/// Reads the next top of append_top() from bytes, and removes it. Returns nullopt if the bytes are too short.
 [[nodiscard]] std::optional<PartTop> next_top(std::span<const std::byte>& from);
 
 /// Forest of the tops of all parts.

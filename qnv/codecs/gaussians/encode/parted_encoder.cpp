@@ -42,7 +42,7 @@ struct SampledSplat {
 };
 
 /// Encoder of one scene. Each rank reads some runs of the source, and encodes some parts. All ranks encode the common
-/// tree, because the others would wait for its result.
+/// tree, because each rank would otherwise wait for the result of one rank.
 class PartedEncoder {
  public:
   PartedEncoder(const GaussianSource& source, std::size_t most, const EncodeOptions& options, Progress* progress)
@@ -208,14 +208,14 @@ class PartedEncoder {
     std::span<const std::uint32_t> next_cluster = clusters;
     for (std::size_t i = 0; i < parts_.size(); ++i) {
       const std::size_t of_part = counts[2 * i], clusters_of_part = counts[2 * i + 1];
-      parts_[i].records = std::make_unique<ChunkRecords>(store_, first_id_, next.first(of_part),
-                                                         next_cluster.first(clusters_of_part));
+      parts_[i].records =
+          std::make_unique<ChunkRecords>(store_, first_id_, next.first(of_part), next_cluster.first(clusters_of_part));
       next = next.subspan(of_part);
       next_cluster = next_cluster.subspan(clusters_of_part);
     }
   }
 
-  /// Calls work(i) for this rank's parts, several at a time if memory permits. Returns false once a call does.
+  /// Calls work(i) for this rank's parts, several at a time if memory permits. Stops and returns false if a call fails.
   template <class Work>
   bool for_parts(const Work& work) {
     const std::size_t each = most_ * (kSplatBytes + kHarmonicBytes * harmonic_count(source_.degree));
@@ -298,7 +298,7 @@ class PartedEncoder {
   const EncodeOptions& options_;
   Progress* progress_;
   EncodeRanks shared_;
-  RankShare runs_, own_;  // runs of the source, and parts, of this rank
+  RankShare runs_, own_;  // this rank's runs of the source, and its parts
   SharedStore store_;
   StreamPlan plan_;
   std::unique_ptr<SpaceCells> cells_;

@@ -57,7 +57,7 @@ class PartWriter {
 
   /// Adds splats. Returns false if the store is full.
   [[nodiscard]] bool add(const Gaussians& splats);
-  /// Returns the blocks, those of a cell in the order of its splats, or nullopt if the store is full.
+  /// Returns all blocks. The blocks of a cell are in the order of its splats. Returns nullopt if the store is full.
   [[nodiscard]] std::optional<std::vector<CellBlock>> finish();
 
  private:

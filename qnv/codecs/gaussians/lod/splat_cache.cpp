@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kClustersPerTask = 8, kUsualTasks = 16;
 // States of clusters may use 1 / kStatePart of the memory.
 constexpr std::size_t kStatePart = 2;
-// Usual bytes of a state.
+// Typical size of a state, in bytes.
 constexpr std::size_t kTypicalState = 12'000;
 
 std::size_t bytes_of(const Gaussians& all) {
@@ -218,7 +218,7 @@ void SplatCache::size_up(std::uint32_t index) {
   cluster.replaced_to = fits ? parent.ranks[last] : 0;
   cluster.sized = true;
   const Gaussians& all = *parent.block.splats;
-  // Looks for overlaps first. The ranges below then belong to one child each, so that all of them are short.
+  // Rejects overlaps first. Then each Gaussian belongs to at most one child, so the loops below are short in total.
   if (!cover(cluster.parent, cluster.replaced_from, cluster.replaced_to)) {
     if (!cluster.broken) chunks_.reject(index, "a cluster replaces Gaussians of another one, or none");
     return;
@@ -232,7 +232,7 @@ void SplatCache::size_up(std::uint32_t index) {
 bool SplatCache::cover(std::uint32_t parent, std::uint32_t from, std::uint32_t to) {
   if (from == to) return false;
   std::map<std::uint32_t, std::uint32_t>& ranges = covered_[parent];
-  const auto next = ranges.lower_bound(to);  // the first range behind this one
+  const auto next = ranges.lower_bound(to);  // the first range after this one
   if (next != ranges.begin() && std::prev(next)->second > from) return false;
   ranges.emplace_hint(next, from, to);
   return true;

@@ -75,7 +75,7 @@ class SplatCache : NonCopyable {
   [[nodiscard]] std::uint32_t received_harmonics(std::uint32_t cluster) const;
   /// Sets the harmonics of a block: own ones, else those of the parents if these are decoded.
   void put_harmonics(std::uint32_t cluster, const Entry& own, Gaussians& splats);
-  /// Notes that a cluster replaces Gaussians of `parent`. Returns false if others replace some of them.
+  /// Records that a cluster replaces a range of Gaussians of `parent`. Returns false if it is empty or overlaps others.
   bool cover(std::uint32_t parent, std::uint32_t from, std::uint32_t to);
   [[nodiscard]] std::unique_ptr<Entry> made(std::uint32_t cluster, const DecodedCluster& decoded);
   void update_parents(std::span<const std::uint32_t> clusters);
@@ -87,7 +87,7 @@ class SplatCache : NonCopyable {
   SplatTree& tree_;  // of chunks_
   std::size_t most_bytes_, bytes_ = 0, state_bytes_ = 0, splats_ = 0;
   std::vector<std::unique_ptr<Entry>> entries_;  // one per cluster
-  // Ranges that children replace, by parent: their ends by their beginnings. They do not overlap.
+  // Ranges that children replace, by parent. Maps the beginning of a range to its end. Ranges do not overlap.
   std::unordered_map<std::uint32_t, std::map<std::uint32_t, std::uint32_t>> covered_;
   std::atomic<bool> damaged_ = false;  // a chunk of harmonics was damaged
 };

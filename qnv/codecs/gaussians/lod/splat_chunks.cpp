@@ -13,7 +13,7 @@ constexpr std::size_t kSampledHeads = 8;  // number of chunks to compare with th
 constexpr std::size_t kBytesPerScan = std::size_t{1} << 18;
 // First offset of restored chunks: beyond the end of any stream, and beyond offsets of StreamFeed::add_loose().
 constexpr std::uint64_t kNowhere = std::uint64_t{1} << 63;
-// Maximum bytes of the chunks of a file that parity restores.
+// Maximum bytes of restored chunks of a file.
 constexpr std::size_t kPatchBytes = std::size_t{64} << 20;
 
 /// Source with restored chunks from the offset kNowhere on.

@@ -32,10 +32,10 @@ struct SplatState {
 /// Decoded parent of a cluster.
 struct SplatParent {
   const SplatState& state;
-  std::span<const std::uint16_t> ranks;  // number of inner Gaussians before each Gaussian, and of all
+  std::span<const std::uint16_t> ranks;  // number of inner Gaussians before each Gaussian, then in all
 };
 
-/// Decoded cluster. Decoding several clusters one after another needs only one.
+/// Decoded cluster. Its memory can be reused for the next cluster.
 struct DecodedCluster {
   std::vector<SplatNode> nodes;     // in the order of the stream
   std::vector<NodeOrigin> origins;  // parents are indices in SplatState::inner; empty without harmonics

@@ -8,7 +8,7 @@
 
 namespace gs::qnv::gaussians {
 
-/// Copy of models in little memory. Most models of a cluster were never used, so only the others are stored.
+/// Compact copy of models. A cluster uses few models, so the copy has only the words that differ from fresh models.
 class StoredModels {
  public:
   explicit StoredModels(const SplatModels& models);
@@ -17,7 +17,7 @@ class StoredModels {
 
  private:
   std::size_t words_ = 0;
-  std::unique_ptr<std::uint32_t[]> data_;  // one bit per word of the models that was changed, then these words
+  std::unique_ptr<std::uint32_t[]> data_;  // one bit per word of the models, 1 if changed; then the changed words
 };
 
 }  // namespace gs::qnv::gaussians

@@ -105,7 +105,7 @@ class VtuText {
 
 struct GridFacts {
   std::string text;
-  std::size_t outer = 0;  // outer quadrilaterals and further polygons, as triangles
+  std::size_t outer = 0;  // number of triangles of the outer faces and of other polygons
 };
 
 /// Returns a grid of n * n * layers warped hexahedra with a hole, and one triangle.
@@ -225,7 +225,7 @@ bool equal(std::span<const qnv::Triangle> a, std::span<const qnv::Triangle> b) {
 
 }  // namespace
 
-TEST_CASE("the surface of a grid read in parts is that of its importer") {
+TEST_CASE("a grid that is read in parts has the same surface as its import") {
   const bool by_cell = GENERATE(false, true);
   const ScratchFolder folder;
   const GridFacts facts = hexahedra(6, 9, {}, by_cell);
@@ -252,7 +252,7 @@ TEST_CASE("the surface of a grid read in parts is that of its importer") {
   REQUIRE(whole.color_key);
   REQUIRE(made.stream().color_key);
   CHECK(color_key_text(*made.stream().color_key) == color_key_text(*whole.color_key));
-  // Both have the same corners with the same colours.
+  // The surfaces from parts and from the importer have equal corners with equal colours.
   const auto corners_of = [](std::span<const qnv::Triangle> all) {
     std::vector<std::array<float, 6>> corners;
     for (const qnv::Triangle& t : all)

@@ -379,7 +379,7 @@ TEST_CASE("harmonics of unknown clusters wait in limited memory") {
   CHECK(waiting == 65'536);
   CHECK(why == "a chunk of harmonics is left out, because too many wait for their clusters");
   CHECK(tree.size() == 0);
-  // A cluster takes its chunks, which leave room for another one.
+  // A received cluster takes its waiting chunks, which makes room for another chunk.
   why.clear();
   const std::uint32_t root = tree.arrive(gaussians::ClusterHead{}, 300'000, 50, why);
   const std::uint32_t index = tree.arrive(gaussians::ClusterHead{1, 0, 0, 1, 1}, 300'001, 50, why);
