@@ -3,8 +3,6 @@
 /// Shaders of volumes. make_program adds "#version 330 core" before each.
 namespace gs::render {
 
-/// Composites the volumes that the CPU has drawn. Where `depths` is negative, ignores the pixel's depth. With EDGES,
-/// draws only pixels with samples that differ.
 /// Draws a rectangle over the viewport with a part of a texture from its first texel on.
 inline constexpr char kPlainLayerVertexShader[] = R"glsl(
 uniform vec2 part;  // drawn part of the texture
@@ -23,6 +21,8 @@ out vec4 result;
 void main() { result = texture(pixels, at); }
 )glsl";
 
+/// Composites the volumes that the CPU has drawn. Where `depths` is negative, ignores the pixel's depth. With EDGES,
+/// draws only pixels with samples that differ.
 inline constexpr char kVolumePixelsFragmentShader[] = R"glsl(
 uniform sampler2D pixels;
 uniform sampler2D depths;  // in window space
