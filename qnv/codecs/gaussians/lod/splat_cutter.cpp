@@ -230,9 +230,10 @@ std::vector<std::uint32_t> SplatCutter::to_decode(const LodView& view, bool& lim
   const auto is_marked = [&](std::uint32_t cluster) { return cluster < marked.size() && marked[cluster]; };
   for (const std::uint32_t index : order_) {
     const SplatCluster& cluster = tree_[index];
+    bool& ready = tree_.at(index).marks.ready;
+    ready = false;  // it may be broken since the previous call, so that its children cannot be decoded
     if (!cluster.present || cluster.broken || (cluster.parent != kNoCluster && !tree_[cluster.parent].marks.ready))
       continue;
-    bool& ready = tree_.at(index).marks.ready;
     ready = cache_.has(index);
     if (ready) {
       cache_.use_state(index, cuts_);
