@@ -68,6 +68,7 @@ VolumeLayer rasterize_together(const std::array<LayerRaster, 2>& contents, const
   BlendedLayers blended(pixels), edges(has_edges ? pixels : 0);
   std::vector<float> near(pixels), far(has_edges ? pixels : 0);
   bool any = false;
+  std::array<bool, 2> counted{};  // contents with their splats in layer.vectors
   const float step = (range.farthest - range.nearest) / static_cast<float>(std::max<std::size_t>(slabs, 1));
   // Slab 0 is in front of the range, and slab `slabs` + 1 is behind it.
   for (std::size_t slab = 0; slab < slabs + 2; ++slab)
@@ -87,8 +88,8 @@ VolumeLayer rasterize_together(const std::array<LayerRaster, 2>& contents, const
         limited.far = far;
       }
       const VolumeLayer one = contents[content](part, limited);
-      // Slab 0 begins at the near plane, so its count includes all splats.
-      if (slab == 0) layer.vectors += one.vectors;
+      // The first slab begins at the near plane, so it counts all splats.
+      if (!std::exchange(counted[content], true)) layer.vectors += one.vectors;
       if (one.empty()) continue;
       any = true;
       blended.add(one.pixels, view.threads);

@@ -173,7 +173,8 @@ void VolumePass::draw(const RenderList& list, const Camera& camera, const Projec
   gather(list, camera, whole_view(view, camera), options, scene);
   statistics.working = statistics.working || scene.working;
   if (scene.items.empty() && !overlap) return;
-  const bool with_gl = !overlap && (options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl_.software));
+  const bool with_gl =
+      !overlap && (options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl_.software));
   if (with_gl) {
     const VolumeGl::View gl_view{
         view, projection, {options.x, options.y, options.width, options.height}, options.viewport};

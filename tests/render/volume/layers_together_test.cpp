@@ -61,6 +61,8 @@ TEST_CASE("blends overlapping contents by depth, close to an exact picture of bo
   const VolumeLayer together = rasterize_together(contents, view, {}, range);
   CHECK(together.vectors ==
         rasterize_volumes({&items[0], 1}, view).vectors + rasterize_volumes({&items[1], 1}, view).vectors);
+  // From the inside of the range, nothing is in front of it.
+  CHECK(rasterize_together(contents, view, {}, {0, 4.9f}).vectors == together.vectors);
   CHECK(together.edge_pixels.empty());
   CHECK(together.depth.empty());
   // Without slabs in the range, the first content is in front in one half, and the second one in the other.

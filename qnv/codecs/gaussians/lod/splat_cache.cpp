@@ -153,7 +153,10 @@ void SplatCache::decode(std::vector<std::uint32_t> clusters, std::uint64_t now) 
     const Entry* const parent = cluster.parent == kNoCluster ? nullptr : entry(cluster.parent);
     if (cluster.broken || (cluster.parent != kNoCluster && (!parent || !parent->state))) return;
     const auto above = parent ? std::optional(SplatParent{*parent->state, parent->ranks}) : std::nullopt;
-    if (chunks_.decode(clusters[i], above ? &*above : nullptr, decoded)) results[i] = made(clusters[i], decoded);
+    if (!chunks_.decode(clusters[i], above ? &*above : nullptr, decoded)) return;
+    // The decoded children refer to Gaussians by index. Another chunk may have replaced the one from before.
+    if (cluster.known && cluster.splats != decoded.nodes.size()) return;
+    results[i] = made(clusters[i], decoded);
   };
   for (std::size_t first = 0, last = 0; first < clusters.size(); first = last) {
     while (last < clusters.size() && tree_[clusters[last]].level == tree_[clusters[first]].level) ++last;

@@ -20,6 +20,11 @@ constexpr float kSmallPixels = 0.5f;
 constexpr float kGivenUp = 0.7f;
 // Increase of the priority of clusters in the last cut, if the view is identical.
 constexpr float kStays = 1e30f;
+// Maximum number of clusters that are decoded before their Gaussians are counted.
+constexpr std::size_t kMostClustersAtOnce = 512;
+// Maximum number of Gaussians that a cut decodes: kMostBudgets times its largest budget, at least
+// kLeastDecodedSplats.
+constexpr std::size_t kMostBudgets = 4, kLeastDecodedSplats = std::size_t{1} << 22;
 // Maximum number of decoding rounds in a cut. Each round goes one level deeper.
 constexpr int kMaxRounds = 64;
 // Duration of a change of the cut, in seconds.
@@ -83,6 +88,7 @@ const std::vector<SplatRun>& SplatCutter::cut(const LodView& view, std::optional
     return viewport.runs;
   }
   const std::vector<std::uint32_t> before = viewport.chosen;
+  const std::size_t most_held = cache_.splats() + std::max(kMostBudgets * most_splats_, kLeastDecodedSplats);
   for (int round = 0; round < kMaxRounds && !pending_; ++round) {
     select(view, viewport, bit);
     bool any = false;
@@ -92,6 +98,8 @@ const std::vector<SplatRun>& SplatCutter::cut(const LodView& view, std::optional
       any = true;
       cache_.decode(std::move(clusters), cuts_);
       cache_.shrink_states();
+      // Small chunks may claim few Gaussians and have many. Later cuts know their numbers, and decode the others.
+      pending_ = pending_ || cache_.splats() > most_held;
     }
     if (!any) break;
   }
@@ -221,18 +229,20 @@ void SplatCutter::select(const LodView& view, const Viewport& last, std::uint16_
 }
 
 // Returns the clusters to decode next, most important first, within the view's limits. Marks clusters as ready if they
-// are decoded or in the result. Sets `limited` if the memory for states permits no more at once.
+// are decoded or in the result. Sets `limited` if more must wait for another call, because of their memory.
 std::vector<std::uint32_t> SplatCutter::to_decode(const LodView& view, bool& limited) {
   std::vector<std::uint32_t> clusters, chain;
   std::vector<bool> marked;
+  const std::size_t most_at_once = std::min(cache_.most_at_once(), kMostClustersAtOnce);
   bool more = true;
   limited = false;
   const auto is_marked = [&](std::uint32_t cluster) { return cluster < marked.size() && marked[cluster]; };
   for (const std::uint32_t index : order_) {
     const SplatCluster& cluster = tree_[index];
+    bool& ready = tree_.at(index).marks.ready;
+    ready = false;  // it may be broken since the previous call, so that its children cannot be decoded
     if (!cluster.present || cluster.broken || (cluster.parent != kNoCluster && !tree_[cluster.parent].marks.ready))
       continue;
-    bool& ready = tree_.at(index).marks.ready;
     ready = cache_.has(index);
     if (ready) {
       cache_.use_state(index, cuts_);
@@ -252,7 +262,7 @@ std::vector<std::uint32_t> SplatCutter::to_decode(const LodView& view, bool& lim
       pending_ = true;
       continue;
     }
-    if (!clusters.empty() && clusters.size() + chain.size() > cache_.most_at_once()) {
+    if (!clusters.empty() && clusters.size() + chain.size() > most_at_once) {
       limited = true;
       more = false;
       continue;

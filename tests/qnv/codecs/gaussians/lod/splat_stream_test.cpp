@@ -123,6 +123,20 @@ class CountingSource final : public ChunkSource {
   std::shared_ptr<const ChunkSource> bytes_;
 };
 
+/// Source with bytes that a test changes.
+class ChangedSource final : public ChunkSource {
+ public:
+  explicit ChangedSource(Bytes bytes) : bytes_(std::move(bytes)) {}
+  [[nodiscard]] std::uint64_t size() const override { return bytes_.size(); }
+  [[nodiscard]] std::size_t read(std::uint64_t offset, std::span<std::byte> to) const override {
+    const std::size_t first = static_cast<std::size_t>(std::min<std::uint64_t>(offset, bytes_.size()));
+    const std::size_t count = std::min(to.size(), bytes_.size() - first);
+    std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(first), count, to.begin());
+    return count;
+  }
+  Bytes bytes_;
+};
+
 /// Returns the chunks of Gaussians and harmonics of a stream, with their offsets.
 std::vector<std::pair<std::uint64_t, Bytes>> chunks_of(const EncodedStream& stream) {
   std::vector<std::pair<std::uint64_t, Bytes>> chunks;
@@ -345,6 +359,33 @@ TEST_CASE("parity restores damaged chunks of Gaussians in a file with a director
     // Reads the whole file once, and each chunk at most twice.
     CHECK(source->read_ < 4 * damaged.size());
   }
+}
+
+TEST_CASE("a cluster that changes its number of Gaussians in the file is left out") {
+  EncodeOptions options;
+  options.parity = 0;
+  auto made = encode_gaussians(test::splat_cloud(6000), options);
+  const auto& encoded = std::get<EncodedStream>(made);
+  const auto source = std::make_shared<ChangedSource>(encoded.bytes);
+  const Stream stream = opened(SplatStream::open(source));
+  CHECK(gathered(stream->cut(closest_view())).size() == 6000);
+  // A distant view needs only the root cluster, so that the others are dropped.
+  stream->set_limits({.cache_bytes = 1});
+  (void)stream->cut(view_from(1e6f));
+  stream->set_limits({});
+  for (const auto& [offset, chunk] : chunks_of(encoded)) {
+    const auto packed = gaussians::parse_cluster(std::span(chunk).subspan(kChunkHeaderBytes));
+    REQUIRE(packed);
+    if (packed->head.level != 1) continue;
+    // Each Gaussian stays as it is, instead of getting children.
+    const Bytes stays(packed->bytes.size(), std::byte{255});
+    const Bytes other = encode_chunk(ChunkType::gaussians, gaussians::pack(packed->head, stays));
+    REQUIRE(other.size() == chunk.size());
+    std::ranges::copy(other, source->bytes_.begin() + static_cast<std::ptrdiff_t>(offset));
+  }
+  CHECK(gathered(stream->cut(closest_view())).size() < 6000);
+  REQUIRE_FALSE(stream->problems().empty());
+  CHECK(stream->problems()[0].message == "a cluster of Gaussians is damaged and left out");
 }
 
 TEST_CASE("clusters that replace Gaussians of others are left out") {
