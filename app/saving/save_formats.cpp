@@ -18,7 +18,7 @@ bool is_stream_path(std::string_view path) { return lower_case(path).ends_with("
 
 std::string save_format_list() {
   std::string text = scene_format_list();
-  const char* separator = "; without the world around the data: ";
+  const char* separator = "; only the data: ";
   for (const ExportFormat& format : export_formats()) {
     if (is_text_path(format.extension)) continue;
     text.append(std::exchange(separator, ", ")).append(format.extension);
