@@ -512,8 +512,8 @@ def run(check):
         check.key("ctrl+shift+d", "ctrl+shift+d")  # the panel opens at its old position
         time.sleep(1)
         before = window_picture(check)
-        check.click((645, 309))  # Beside
-        check.click((670, 350))  # the second array
+        check.click((645, 330))  # Beside
+        check.click((670, 371))  # the second array
         wait("there are two viewports", lambda: len(check.world.getViewports()) == 2)
         check.key("ctrl+w")
         wait("there is one again", lambda: len(check.world.getViewports()) == 1)
