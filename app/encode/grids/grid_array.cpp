@@ -16,15 +16,6 @@ constexpr std::uint64_t kMostGridBlock = std::uint64_t{16} << 20, kMostGridBlock
 // Maximum bytes and number of decompressed blocks that are kept. The number bounds the search for a block.
 constexpr std::uint64_t kKept = std::uint64_t{2} << 20, kMostKeptBlocks = 64;
 
-int digit_of(std::byte byte) {
-  const char c = static_cast<char>(byte);
-  if (c >= 'A' && c <= 'Z') return c - 'A';
-  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
-  if (c >= '0' && c <= '9') return c - '0' + 52;
-  if (c == '+') return 62;
-  return c == '/' ? 63 : -1;
-}
-
 bool is_blank(std::byte byte) {
   return byte == std::byte{' '} || byte == std::byte{'\n'} || byte == std::byte{'\r'} || byte == std::byte{'\t'};
 }
@@ -148,8 +139,8 @@ bool GridArray::read_base64(std::uint64_t place, std::uint64_t offset, std::span
   for (std::size_t i = 0; i < text.size(); i += 4) {
     std::uint32_t bits = 0;
     std::size_t digits = 0;
-    for (; digits < 4 && digit_of(text[i + digits]) >= 0; ++digits)
-      bits |= static_cast<std::uint32_t>(digit_of(text[i + digits])) << (18 - 6 * digits);
+    for (; digits < 4 && base64_value(text[i + digits]) >= 0; ++digits)
+      bits |= static_cast<std::uint32_t>(base64_value(text[i + digits])) << (18 - 6 * digits);
     for (std::size_t k = 0; k + 1 < digits; ++k, ++at)
       if (at >= offset && made < to.size()) to[made++] = static_cast<std::byte>(bits >> (16 - 8 * k) & 0xff);
     if (digits < 4) break;

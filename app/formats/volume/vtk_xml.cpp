@@ -173,15 +173,6 @@ void end_element(void* user, const XML_Char* element) {
   }
 }
 
-int base64_value(std::byte byte) {
-  const char c = static_cast<char>(byte);
-  if (c >= 'A' && c <= 'Z') return c - 'A';
-  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
-  if (c >= '0' && c <= '9') return c - '0' + 52;
-  if (c == '+') return 62;
-  return c == '/' ? 63 : -1;
-}
-
 /// Decodes base64 to at most `most` bytes. The text may be two runs in sequence, so padding may occur in the middle.
 std::vector<std::byte> base64_bytes(std::span<const std::byte> text, std::uint64_t most) {
   std::vector<std::byte> out;
@@ -327,6 +318,15 @@ class VtkData {
 };
 
 }  // namespace
+
+int base64_value(std::byte byte) {
+  const char c = static_cast<char>(byte);
+  if (c >= 'A' && c <= 'Z') return c - 'A';
+  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
+  if (c >= '0' && c <= '9') return c - '0' + 52;
+  if (c == '+') return 62;
+  return c == '/' ? 63 : -1;
+}
 
 std::variant<VtkXmlHeader, std::string> read_vtk_xml(std::span<const std::byte> bytes, std::string_view type) {
   const std::unique_ptr<std::remove_pointer_t<XML_Parser>, decltype(&XML_ParserFree)> parser(XML_ParserCreate(nullptr),

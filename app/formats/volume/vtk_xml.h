@@ -91,6 +91,9 @@ struct VtkGridAxes {
 [[nodiscard]] VtkGridAxes vtk_grid_axes(const SharedBytes& file, const VtkXmlHeader& header, std::size_t piece,
                                         const VtkExtent& extent, const WorldBudget& budget);
 
+/// Returns the number from 0 to 63 of a base64 digit, or -1 for other bytes.
+[[nodiscard]] int base64_value(std::byte byte);
+
 /// Compression of the blocks of an array, apart from zlib.
 enum class VtkPacking : std::uint8_t { lz4, lzma };
 /// Unpacks a block that must fill `to`, with the module for scientific formats. Returns a message on failure.
