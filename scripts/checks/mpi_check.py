@@ -15,6 +15,7 @@ import argparse
 import array
 import base64
 import hashlib
+import json
 import math
 import os
 import random
@@ -45,7 +46,7 @@ ENVIRONMENT = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROO
 failures = 0
 interrupted = 0
 hanging = 0  # ends after which mpirun did not end
-resumed = []  # seconds of runs with --resume
+resumed = []  # processor seconds of the busiest rank of each run with --resume
 
 
 def check(name, good, detail=""):
@@ -290,6 +291,11 @@ def equal_bytes(folder, name, source, extra, counts):
         check("%s: %d ranks leave no other file" % (name, ranks), not os.path.exists(out + ".parts"))
 
 
+def processor_seconds(output):
+    """Returns the processor time of the busiest rank, as --json states it."""
+    return max(rank["cpu_seconds"] for rank in json.loads(output)["ranks"])
+
+
 def ranks_of(launcher):
     found = []
     for pid in os.listdir("/proc"):
@@ -343,11 +349,10 @@ def end_a_rank(folder, source, extra, expected, longest, chance):
     if whole and running.returncode == 0:
         return None
     interrupted += 1
-    begin = time.time()
     made = run(mpirun(3 if options.late else chance.choice((2, 3, 4)), ["encode", source, out, "--resume"] + extra))
-    resumed.append(time.time() - begin)
     if made.returncode != 0:
         return "the second run failed: " + made.stderr + errors
+    resumed.append(processor_seconds(made.stdout))
     if sum_of(out) != expected:
         return "--resume gave other bytes"
     return "the folder of the parts is left" if os.path.exists(out + ".parts") else None
@@ -379,6 +384,7 @@ def full_disk(folder, source):
 def end_ranks(folder, name, source, extra, chance):
     global interrupted
     expected_file = folder + "/expected.qnv"
+    extra = extra + ["--json"]
     begin = time.time()
     made = run(mpirun(3, ["encode", source, expected_file] + extra))
     longest = time.time() - begin
@@ -394,8 +400,8 @@ def end_ranks(folder, name, source, extra, chance):
     check("%s: %d ends of a rank (%d before the end of the run) leave no half file, and --resume gives the same bytes" %
           (name, options.kills, interrupted), not problems, "; ".join(problems))
     if resumed:
-        print("note    %s: a run takes %.1f s; with --resume, %.1f s on average (%.1f to %.1f s)" %
-              (name, longest, sum(resumed) / len(resumed), min(resumed), max(resumed)))
+        print("note    %s: processor time of the busiest rank %.1f s; with --resume %.1f s on average (%.1f to %.1f s)" %
+              (name, processor_seconds(made.stdout), sum(resumed) / len(resumed), min(resumed), max(resumed)), flush=True)
 
 
 def main():
