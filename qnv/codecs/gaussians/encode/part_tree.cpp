@@ -57,13 +57,18 @@ bool each_list(Top& top, const Each& each) {
 
 std::optional<StoredTree> store_tree(const MergeTree& tree, SharedStore& store) {
   const auto merged = tree.nodes().subspan(tree.given());
+  std::vector<float> visibility;
+  for (const MergedNode& node : tree.nodes().first(tree.given())) visibility.push_back(node.blob.visibility);
   const auto offset = store.add(std::as_bytes(merged));
-  return offset ? std::optional(StoredTree{*offset, merged.size(), tree.roots()}) : std::nullopt;
+  const auto after = store.add(std::as_bytes(std::span(visibility)));
+  return offset && after ? std::optional(StoredTree{*offset, *after, merged.size(), tree.roots()}) : std::nullopt;
 }
 
 std::optional<MergeTree> read_tree(const StoredTree& stored, const Gaussians& source, float detail,
                                    const SharedStore& store) {
-  std::vector<MergedNode> nodes = leaves_of(source, source.description.box, detail).nodes;
+  std::vector<float> visibility(source.size());
+  if (!store.read(stored.visibility, std::as_writable_bytes(std::span(visibility)))) return std::nullopt;
+  std::vector<MergedNode> nodes = leaves_of(source, source.description.box, detail, visibility).nodes;
   const std::size_t leaves = nodes.size();
   nodes.resize(leaves + stored.merged);
   if (!store.read(stored.offset, std::as_writable_bytes(std::span(nodes).subspan(leaves)))) return std::nullopt;

@@ -16,8 +16,8 @@ namespace gs::qnv::gaussians {
 
 /// Trees of one part of a scene in a store, which omits their leaves.
 struct StoredTree {
-  std::uint64_t offset = 0;
-  std::size_t merged = 0;  // number of stored nodes
+  std::uint64_t offset = 0, visibility = 0;  // of the merged nodes and of the visibility of the leaves
+  std::size_t merged = 0;                    // number of stored nodes
   std::vector<std::uint32_t> roots;
 };
 [[nodiscard]] std::optional<StoredTree> store_tree(const MergeTree& tree, SharedStore& store);
