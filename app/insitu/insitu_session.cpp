@@ -1,6 +1,6 @@
 #include "app/insitu/insitu_session.h"
 
-#include "app/insitu/bricks/thread_time.h"
+#include "base/thread_time.h"
 
 #include <algorithm>
 #include <array>

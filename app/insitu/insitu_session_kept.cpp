@@ -1,5 +1,5 @@
 // Grids that ranks keep, and chunks of them that viewers request.
-#include "app/insitu/bricks/thread_time.h"
+#include "base/thread_time.h"
 #include "app/insitu/insitu_session.h"
 
 #include <algorithm>

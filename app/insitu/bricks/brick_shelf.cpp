@@ -1,6 +1,6 @@
 #include "app/insitu/bricks/brick_shelf.h"
 
-#include "app/insitu/bricks/thread_time.h"
+#include "base/thread_time.h"
 
 #include <algorithm>
 #include <utility>
