@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <memory>
 #include <string>
@@ -34,6 +35,22 @@ struct StoredTriangle {
 struct StoredTriangles {
   std::uint64_t offset = 0, count = 0;
 };
+
+/// Result of a run that is recorded for later runs of the program.
+struct FinishedRun {
+  StoredTriangles triangles;
+  Box box;
+};
+
+/// Returns a record if the bytes have its size.
+template <class Record>
+std::optional<Record> finished_record(const std::optional<std::vector<std::byte>>& bytes) {
+  static_assert(std::is_trivially_copyable_v<Record>);
+  if (!bytes || bytes->size() != sizeof(Record)) return std::nullopt;
+  Record record;
+  std::memcpy(static_cast<void*>(&record), bytes->data(), sizeof record);
+  return record;
+}
 
 /// Ranges of the shown values and of wide coordinates.
 struct GridRanges {
@@ -141,20 +158,48 @@ class RunTriangles {
 class GridSurfaceMaker {
  public:
   GridSurfaceMaker(const LargeGrid& grid, qnv::EncodeRanks& shared, std::uint64_t memory, Progress* progress)
-      : grid_(grid), shared_(shared), memory_(memory), progress_(progress), reader_(grid) {}
+      : grid_(grid),
+        shared_(shared),
+        memory_(memory),
+        progress_(progress),
+        reader_(grid),
+        own_(qnv::share_of(shared.ranks(), grid.runs.size())) {}
 
   std::variant<MeshStream, EncodeError> make() {
     begin_stage("reading", 3);
-    if (auto failed = shared_.agree(survey())) return std::move(*failed);
-    share_ranges();
-    auto found = outer_faces(grid_, shared_, memory_, progress_);
-    if (auto* const failed = std::get_if<EncodeError>(&found)) return std::move(*failed);
-    if (auto failed = shared_.agree(store_triangles(std::get<std::vector<OuterFace>>(found))))
-      return std::move(*failed);
+    if (auto failed = find_ranges()) return std::move(*failed);
+    make_key();
+    if (!restore_runs()) {
+      auto found = outer_faces(grid_, shared_, memory_, progress_);
+      if (auto* const failed = std::get_if<EncodeError>(&found)) return std::move(*failed);
+      if (auto failed = shared_.agree(store_triangles(std::get<std::vector<OuterFace>>(found))))
+        return std::move(*failed);
+    }
     return stream();
   }
 
  private:
+  [[nodiscard]] static std::string name_of(std::uint64_t run) { return "triangles " + std::to_string(run); }
+
+  /// Takes the triangles of this rank's runs that an earlier run of the program stored. Returns true if no rank lacks
+  /// any. Collective.
+  bool restore_runs() {
+    bool whole = true;
+    for (std::uint64_t run = own_.first; run < own_.end; ++run) {
+      finished_.push_back(finished_record<FinishedRun>(shared_.store().finished(name_of(run))));
+      whole = whole && finished_.back();
+    }
+    const std::byte own{whole ? std::uint8_t{0} : std::uint8_t{1}};
+    const std::vector<std::byte> missing = shared_.ranks().gather(std::span(&own, 1));
+    if (std::ranges::count(missing, std::byte{1}) > 0) return false;
+    for (const std::optional<FinishedRun>& run : finished_) take(*run);
+    return true;
+  }
+  void take(const FinishedRun& run) {
+    stored_.push_back(run.triangles);
+    box_.add(run.box);
+  }
+
   void begin_stage(const char* stage, std::uint64_t passes) {
     if (!progress_) return;
     progress_->stage = stage;
@@ -211,10 +256,21 @@ class GridSurfaceMaker {
     return true;
   }
 
-  /// Makes the colour key and the origin from the ranges of all ranks. Collective.
-  void share_ranges() {
+  /// Finds the ranges of all ranks, or takes those of an earlier run of the program. Collective.
+  std::optional<EncodeError> find_ranges() {
+    constexpr const char* kRanges = "ranges";
+    if (const auto earlier = finished_record<GridRanges>(qnv::earlier_result(shared_, kRanges))) {
+      ranges_ = *earlier;
+      return std::nullopt;
+    }
+    if (auto failed = shared_.agree(survey())) return failed;
     const GridRanges own = ranges_;
     for (const GridRanges& one : qnv::gather_records<GridRanges>(shared_.ranks(), std::span(&own, 1))) ranges_.add(one);
+    return qnv::record_result(shared_, kRanges, std::as_bytes(std::span(&ranges_, 1)));
+  }
+
+  /// Makes the colour key and the origin from the ranges.
+  void make_key() {
     if (!ranges_.box.empty()) origin_ = qnv::local_origin(ranges_.box);
     const std::string title = this->title();
     if (title.empty()) return;
@@ -236,10 +292,14 @@ class GridSurfaceMaker {
 
   /// Stores the triangles of this rank's runs.
   std::optional<EncodeError> store_triangles(std::span<const OuterFace> outer) {
-    const qnv::RankShare own = qnv::share_of(shared_.ranks(), grid_.runs.size());
     auto next = outer.begin();
-    for (std::uint64_t number = own.first; number < own.end; ++number) {
+    for (std::uint64_t number = own_.first; number < own_.end; ++number) {
       if (is_cancelled(progress_)) return EncodeError{"cancelled"};
+      if (const auto& finished = finished_[static_cast<std::size_t>(number - own_.first)]) {
+        take(*finished);
+        while (next != outer.end() && next->run == number) ++next;
+        continue;
+      }
       const LargeGrid::Run& run = grid_.runs[static_cast<std::size_t>(number)];
       const auto opened = reader_.part(run.part);
       if (const auto* const problem = std::get_if<std::string>(&opened)) return EncodeError{*problem};
@@ -262,10 +322,11 @@ class GridSurfaceMaker {
         good = made.add(face_of(cell, type, next->face()).list(), next->cell());
       }
       if (!good) return EncodeError{grid_.path_of(grid_.parts[run.part].file) + ": the arrays are damaged"};
-      stored_.push_back({shared_.store().size(), made.triangles.size()});
-      if (!made.triangles.empty() && !shared_.store().append(std::as_bytes(std::span(made.triangles))))
+      const FinishedRun finished{{shared_.store().size(), made.triangles.size()}, made.box};
+      if ((!made.triangles.empty() && !shared_.store().append(std::as_bytes(std::span(made.triangles)))) ||
+          !shared_.store().finish(name_of(number), finished.triangles.offset, std::as_bytes(std::span(&finished, 1))))
         return EncodeError{shared_.store().problem()};
-      box_.add(made.box);
+      take(finished);
       if (progress_) progress_->done += run.cells;
     }
     return shared_.store().publish() ? std::nullopt : std::optional(EncodeError{shared_.store().problem()});
@@ -314,6 +375,8 @@ class GridSurfaceMaker {
   std::uint64_t memory_;
   Progress* progress_;
   LargeGridReader reader_;
+  qnv::RankShare own_;                                // runs that this rank reads
+  std::vector<std::optional<FinishedRun>> finished_;  // results of an earlier run of the program
   GridRanges ranges_;
   std::optional<ColorKey> key_;
   glm::dvec3 origin_{0};

@@ -55,10 +55,35 @@ bool each_list(Top& top, const Each& each) {
 
 }  // namespace
 
-std::optional<StoredTree> store_tree(const MergeTree& tree, SharedStore& store) {
+std::optional<StoredTree> store_tree(const MergeTree& tree, const PartTop& top, std::string_view work,
+                                     std::size_t splats, SharedStore& store) {
   const auto merged = tree.nodes().subspan(tree.given());
-  const auto offset = store.add(std::as_bytes(merged));
+  std::vector<std::byte> result;
+  append_list(result, std::vector<std::uint64_t>{splats, merged.size()});
+  append_list(result, tree.roots());
+  append_top(result, top);
+  const auto offset = store.finish(work, std::as_bytes(merged), result);
   return offset ? std::optional(StoredTree{*offset, merged.size(), tree.roots()}) : std::nullopt;
+}
+
+bool restore_tree(std::string_view work, std::size_t splats, const SharedStore& store, StoredTree& tree, PartTop& top) {
+  const auto found = store.finished(work);
+  if (!found) return false;
+  std::span<const std::byte> rest(found->result);
+  std::vector<std::uint64_t> sizes;
+  StoredTree kept;
+  kept.offset = found->offset;
+  if (!next_list(rest, sizes) || sizes.size() != 2 || sizes[0] != splats ||
+      sizes[1] >= std::max<std::size_t>(splats, 1))
+    return false;
+  kept.merged = static_cast<std::size_t>(sizes[1]);
+  auto kept_top = next_list(rest, kept.roots) ? next_top(rest) : std::nullopt;
+  const auto exists = [&](std::uint32_t node) { return node < splats + kept.merged; };
+  if (!kept_top || !std::ranges::all_of(kept.roots, exists) || !std::ranges::all_of(kept_top->places, exists))
+    return false;
+  tree = std::move(kept);
+  top = std::move(*kept_top);
+  return true;
 }
 
 std::optional<MergeTree> read_tree(const StoredTree& stored, const Gaussians& source, float detail,

@@ -223,6 +223,38 @@ bool equal(std::span<const qnv::Triangle> a, std::span<const qnv::Triangle> b) {
   });
 }
 
+/// Checks the triangles that ranks return. They keep their stores and finished work.
+void check_ranks(const LargeGrid& grid, qnv::SharedMemory& state, std::span<const qnv::Triangle> triangles) {
+  const auto count = static_cast<std::uint32_t>(state.stores.size());
+  std::vector<std::vector<qnv::Triangle>> results(count);
+  std::vector<std::string> problems(count);
+  std::vector<std::jthread> threads;
+  for (std::uint32_t rank = 0; rank < count; ++rank)
+    threads.emplace_back([&, rank] {
+      qnv::ThreadRanks ranks(state, rank);
+      qnv::RankStore store(state, rank);
+      qnv::EncodeOptions options;
+      options.ranks = &ranks;
+      options.spill = &store;
+      qnv::EncodeRanks shared(options);
+      const GridResult result = grid_surface(grid, shared, 8 << 20, nullptr);
+      state.barrier.arrive_and_wait();
+      if (const auto* const problem = std::get_if<qnv::EncodeError>(&result)) {
+        problems[rank] = problem->message;
+        return;
+      }
+      (void)std::get<MeshStream>(result).source([&](std::span<const qnv::Triangle> some) {
+        results[rank].insert(results[rank].end(), some.begin(), some.end());
+        return true;
+      });
+    });
+  threads.clear();
+  for (std::uint32_t rank = 0; rank < count; ++rank) {
+    CHECK(problems[rank].empty());
+    CHECK(equal(results[rank], triangles));
+  }
+}
+
 }  // namespace
 
 TEST_CASE("a grid that is read in parts has the same surface as its import") {
@@ -324,34 +356,24 @@ TEST_CASE("ranks that share a grid return the triangles of one process, with any
   CHECK(equal(triangles_of(AloneSurface(*grid, 8 << 20).stream()), triangles));
   for (const std::uint32_t count : {2u, 3u}) {
     qnv::SharedMemory state(count);
-    std::vector<std::vector<qnv::Triangle>> results(count);
-    std::vector<std::string> problems(count);
-    {
-      std::vector<std::jthread> threads;
-      for (std::uint32_t rank = 0; rank < count; ++rank)
-        threads.emplace_back([&, rank] {
-          qnv::ThreadRanks ranks(state, rank);
-          qnv::RankStore store(state, rank);
-          qnv::EncodeOptions options;
-          options.ranks = &ranks;
-          options.spill = &store;
-          qnv::EncodeRanks shared(options);
-          const GridResult result = grid_surface(*grid, shared, 8 << 20, nullptr);
-          state.barrier.arrive_and_wait();
-          if (const auto* const problem = std::get_if<qnv::EncodeError>(&result)) {
-            problems[rank] = problem->message;
-            return;
-          }
-          (void)std::get<MeshStream>(result).source([&](std::span<const qnv::Triangle> some) {
-            results[rank].insert(results[rank].end(), some.begin(), some.end());
-            return true;
-          });
-        });
-    }
-    for (std::uint32_t rank = 0; rank < count; ++rank) {
-      CHECK(problems[rank].empty());
-      CHECK(equal(results[rank], triangles));
-    }
+    check_ranks(*grid, state, triangles);
+    CHECK(state.restored == 0);
+    // A later run uses what an earlier run has finished. Results are missing, as after an end at any moment.
+    const auto finished = state.finished;
+    const auto repeat_without = [&](const std::vector<std::string>& works) {
+      state.finished = finished;
+      std::erase_if(state.finished, [&](const auto& one) {
+        return std::ranges::any_of(works, [&](const std::string& work) { return one.first.starts_with(work); });
+      });
+      state.restored = 0;
+      check_ranks(*grid, state, triangles);
+      return state.restored;
+    };
+    CHECK(repeat_without({}) == count + 2);  // the ranges on all ranks, and the triangles of two runs
+    CHECK(repeat_without({"triangles 1"}) >= count + 1 + 64);
+    CHECK(repeat_without({"triangles", "bucket"}) == count + 2);
+    CHECK(repeat_without({"triangles", "bucket 64 1", "faces 64 0"}) > 50);
+    CHECK(repeat_without({"ranges"}) == 2);
   }
 }
 
