@@ -34,6 +34,11 @@ struct GaussianScene {
   std::vector<std::shared_ptr<const qnv::Gaussians>> held;
   std::vector<GaussianItem> items;
   bool pending = false;  // the next image of this view will differ
+
+  void note(FrameStatistics& statistics) const {
+    statistics.pending = statistics.pending || pending;
+    for (const GaussianItem& item : items) statistics.gaussians += item.count;
+  }
 };
 
 /// Collects the Gaussians of an image.
@@ -53,8 +58,13 @@ class GaussianCollector {
         decodable_(options.most_decoded) {}
 
   GaussianScene collect() {
-    const std::vector<std::size_t> shares =
-        share_budget(list_.splats, budget_view(whole_, camera_from_world_), options_.budget);
+    const BudgetView budgeted = budget_view(whole_, camera_from_world_);
+    std::vector<std::size_t> shares = share_budget(list_.splats, budgeted, options_.budget);
+    if (options_.most_gaussians > 0) {
+      const std::vector<std::size_t> moving = share_budget(list_.splats, budgeted, options_.most_gaussians);
+      for (std::size_t i = 0; i < shares.size(); ++i)
+        shares[i] = shares[i] == 0 ? moving[i] : std::min(shares[i], moving[i]);
+    }
     for (const SplatItem& item : list_.splats)
       if (const qnv::Gaussians* gaussians = gaussians_of(item); gaussians && gaussians->stream) ++streams_;
     for (std::size_t i = 0; i < list_.splats.size(); ++i) {
@@ -173,7 +183,7 @@ std::optional<VolumePass::Overlap> GaussianPass::overlap(const RenderList& list,
       GaussianCollector(gl_, list, camera, options, view, levels_, with_gl(options)).collect());
   const auto shared = shared_depths(scene->items, volume_boxes(list, camera), view);
   if (!shared) return std::nullopt;
-  statistics.pending = statistics.pending || scene->pending;
+  scene->note(statistics);
   VolumePass::Overlap made;
   made.shared = *shared;
   made.gain = kGaussianLayerGain;
@@ -199,7 +209,7 @@ void GaussianPass::draw(const RenderList& list, const Camera& camera, const Proj
   const SplatView view = viewport_view(camera, projection, options);
   const TargetRectangle rectangle{options.x, options.y, options.width, options.height};
   const GaussianScene scene = GaussianCollector(gl_, list, camera, options, view, levels_, with_gl(options)).collect();
-  statistics.pending = statistics.pending || scene.pending;
+  scene.note(statistics);
   if (with_gl(options)) {
     if (const auto splats =
             gaussian_gl_.prepare(scene.held, scene.items, {view, projection, rectangle, options.viewport})) {
