@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <memory>
 #include <string>
@@ -34,6 +35,47 @@ struct StoredTriangle {
 struct StoredTriangles {
   std::uint64_t offset = 0, count = 0;
 };
+
+/// Numbers of cells that a surface cannot show.
+struct OmittedCells {
+  std::uint64_t lines = 0;     // lines and vertices
+  std::uint64_t unknown = 0;   // of unsupported types
+  std::uint64_t short_of = 0;  // without all of their corners
+
+  void add(const OmittedCells& other) {
+    lines += other.lines;
+    unknown += other.unknown;
+    short_of += other.short_of;
+  }
+  /// Returns a text that names all numbers above 0. Returns an empty text if there are none.
+  [[nodiscard]] std::string text() const {
+    std::string text;
+    const auto name = [&](std::uint64_t count, const char* what) {
+      if (count > 0) text += (text.empty() ? "" : ", ") + std::to_string(count) + what;
+    };
+    name(lines, " lines and vertices");
+    name(unknown, " cells of unsupported types");
+    name(short_of, " cells without all of their corners");
+    return text.empty() ? text : text + " are left out; the surface has the faces of the other cells";
+  }
+};
+
+/// Result of a run that is recorded for later runs of the program.
+struct FinishedRun {
+  StoredTriangles triangles;
+  Box box;
+  OmittedCells omitted;
+};
+
+/// Returns a record if the bytes have its size.
+template <class Record>
+std::optional<Record> finished_record(const std::optional<std::vector<std::byte>>& bytes) {
+  static_assert(std::is_trivially_copyable_v<Record>);
+  if (!bytes || bytes->size() != sizeof(Record)) return std::nullopt;
+  Record record;
+  std::memcpy(static_cast<void*>(&record), bytes->data(), sizeof record);
+  return record;
+}
 
 /// Ranges of the shown values and of wide coordinates.
 struct GridRanges {
@@ -88,11 +130,18 @@ class RunTriangles {
     return true;
   }
 
-  /// Adds the polygons and strips.
+  /// Adds the polygons and strips. Counts the cells that the surface cannot show.
   bool add_flat() {
     for (std::size_t i = 0; i < cells_.types.size(); ++i) {
       const GridShape shape = grid_shape(cells_.types[i]);
       auto corners = cells_.cell(i);
+      const bool hidden = cells_.types[i] == 0;
+      if (shape.as == GridShape::As::nothing)
+        omitted.unknown += hidden ? 0 : 1;
+      else if (corners.size() < shape.corners)
+        ++omitted.short_of;
+      else if (shape.as == GridShape::As::line || shape.as == GridShape::As::vertices)
+        ++omitted.lines;
       if (corners.size() < shape.corners) continue;
       if (!shape.any_number) corners = corners.first(shape.corners);
       bool good = true;
@@ -112,6 +161,7 @@ class RunTriangles {
 
   std::vector<StoredTriangle> triangles;
   Box box;
+  OmittedCells omitted;
 
  private:
   bool color_of(std::uint64_t row, qnv::Rgb8& color) {
@@ -141,20 +191,49 @@ class RunTriangles {
 class GridSurfaceMaker {
  public:
   GridSurfaceMaker(const LargeGrid& grid, qnv::EncodeRanks& shared, std::uint64_t memory, Progress* progress)
-      : grid_(grid), shared_(shared), memory_(memory), progress_(progress), reader_(grid) {}
+      : grid_(grid),
+        shared_(shared),
+        memory_(memory),
+        progress_(progress),
+        reader_(grid),
+        own_(qnv::share_of(shared.ranks(), grid.runs.size())) {}
 
   std::variant<MeshStream, EncodeError> make() {
     begin_stage("reading", 3);
-    if (auto failed = shared_.agree(survey())) return std::move(*failed);
-    share_ranges();
-    auto found = outer_faces(grid_, shared_, memory_, progress_);
-    if (auto* const failed = std::get_if<EncodeError>(&found)) return std::move(*failed);
-    if (auto failed = shared_.agree(store_triangles(std::get<std::vector<OuterFace>>(found))))
-      return std::move(*failed);
+    if (auto failed = find_ranges()) return std::move(*failed);
+    make_key();
+    if (!restore_runs()) {
+      auto found = outer_faces(grid_, shared_, memory_, progress_);
+      if (auto* const failed = std::get_if<EncodeError>(&found)) return std::move(*failed);
+      if (auto failed = shared_.agree(store_triangles(std::get<std::vector<OuterFace>>(found))))
+        return std::move(*failed);
+    }
     return stream();
   }
 
  private:
+  [[nodiscard]] static std::string name_of(std::uint64_t run) { return "triangles " + std::to_string(run); }
+
+  /// Takes the triangles of this rank's runs that an earlier run of the program stored. Returns true if no rank lacks
+  /// any. Collective.
+  bool restore_runs() {
+    bool whole = true;
+    for (std::uint64_t run = own_.first; run < own_.end; ++run) {
+      finished_.push_back(finished_record<FinishedRun>(shared_.store().finished(name_of(run))));
+      whole = whole && finished_.back();
+    }
+    const std::byte own{whole ? std::uint8_t{0} : std::uint8_t{1}};
+    const std::vector<std::byte> missing = shared_.ranks().gather(std::span(&own, 1));
+    if (std::ranges::count(missing, std::byte{1}) > 0) return false;
+    for (const std::optional<FinishedRun>& run : finished_) take(*run);
+    return true;
+  }
+  void take(const FinishedRun& run) {
+    stored_.push_back(run.triangles);
+    box_.add(run.box);
+    omitted_.add(run.omitted);
+  }
+
   void begin_stage(const char* stage, std::uint64_t passes) {
     if (!progress_) return;
     progress_->stage = stage;
@@ -179,7 +258,7 @@ class GridSurfaceMaker {
       const auto opened = reader_.part(number);
       if (const auto* const problem = std::get_if<std::string>(&opened)) return EncodeError{*problem};
       if (!survey_rows(*std::get<GridPartReader*>(opened), first))
-        return EncodeError{grid_.path_of(grid_.parts[number].file) + ": the arrays are damaged"};
+        return EncodeError{grid_.message(grid_.parts[number].file, "the arrays are damaged")};
       if (progress_) progress_->done += kTogether;
     }
     return std::nullopt;
@@ -211,10 +290,21 @@ class GridSurfaceMaker {
     return true;
   }
 
-  /// Makes the colour key and the origin from the ranges of all ranks. Collective.
-  void share_ranges() {
+  /// Finds the ranges of all ranks, or takes those of an earlier run of the program. Collective.
+  std::optional<EncodeError> find_ranges() {
+    constexpr const char* kRanges = "ranges";
+    if (const auto earlier = finished_record<GridRanges>(qnv::earlier_result(shared_, kRanges))) {
+      ranges_ = *earlier;
+      return std::nullopt;
+    }
+    if (auto failed = shared_.agree(survey())) return failed;
     const GridRanges own = ranges_;
     for (const GridRanges& one : qnv::gather_records<GridRanges>(shared_.ranks(), std::span(&own, 1))) ranges_.add(one);
+    return qnv::record_result(shared_, kRanges, std::as_bytes(std::span(&ranges_, 1)));
+  }
+
+  /// Makes the colour key and the origin from the ranges.
+  void make_key() {
     if (!ranges_.box.empty()) origin_ = qnv::local_origin(ranges_.box);
     const std::string title = this->title();
     if (title.empty()) return;
@@ -236,10 +326,14 @@ class GridSurfaceMaker {
 
   /// Stores the triangles of this rank's runs.
   std::optional<EncodeError> store_triangles(std::span<const OuterFace> outer) {
-    const qnv::RankShare own = qnv::share_of(shared_.ranks(), grid_.runs.size());
     auto next = outer.begin();
-    for (std::uint64_t number = own.first; number < own.end; ++number) {
+    for (std::uint64_t number = own_.first; number < own_.end; ++number) {
       if (is_cancelled(progress_)) return EncodeError{"cancelled"};
+      if (const auto& finished = finished_[static_cast<std::size_t>(number - own_.first)]) {
+        take(*finished);
+        while (next != outer.end() && next->run == number) ++next;
+        continue;
+      }
       const LargeGrid::Run& run = grid_.runs[static_cast<std::size_t>(number)];
       const auto opened = reader_.part(run.part);
       if (const auto* const problem = std::get_if<std::string>(&opened)) return EncodeError{*problem};
@@ -251,21 +345,22 @@ class GridSurfaceMaker {
       bool good = made.add_flat();
       for (; next != outer.end() && next->run == number && good; ++next) {
         if (next->cell() >= cells.types.size())
-          return EncodeError{grid_.path_of(grid_.parts[run.part].file) +
-                             ": another program changed the file; encode it again"};
+          return EncodeError{grid_.message(grid_.parts[run.part].file, kChangedGridFile)};
         const std::uint8_t type = cells.types[next->cell()];
         const GridShape shape = grid_shape(type);
         const auto cell = cells.cell(next->cell());
         if (next->face() >= shape.faces.size() || cell.size() < shape.corners)
-          return EncodeError{grid_.path_of(grid_.parts[run.part].file) +
-                             ": another program changed the file; encode it again"};
+          return EncodeError{grid_.message(grid_.parts[run.part].file, kChangedGridFile)};
         good = made.add(face_of(cell, type, next->face()).list(), next->cell());
       }
-      if (!good) return EncodeError{grid_.path_of(grid_.parts[run.part].file) + ": the arrays are damaged"};
-      stored_.push_back({shared_.store().size(), made.triangles.size()});
-      if (!made.triangles.empty() && !shared_.store().append(std::as_bytes(std::span(made.triangles))))
+      if (grid_.is_changed(grid_.parts[run.part].file))
+        return EncodeError{grid_.message(grid_.parts[run.part].file, kChangedGridFile)};
+      if (!good) return EncodeError{grid_.message(grid_.parts[run.part].file, "the arrays are damaged")};
+      const FinishedRun finished{{shared_.store().size(), made.triangles.size()}, made.box, made.omitted};
+      if ((!made.triangles.empty() && !shared_.store().append(std::as_bytes(std::span(made.triangles)))) ||
+          !shared_.store().finish(name_of(number), finished.triangles.offset, std::as_bytes(std::span(&finished, 1))))
         return EncodeError{shared_.store().problem()};
-      box_.add(made.box);
+      take(finished);
       if (progress_) progress_->done += run.cells;
     }
     return shared_.store().publish() ? std::nullopt : std::optional(EncodeError{shared_.store().problem()});
@@ -280,6 +375,10 @@ class GridSurfaceMaker {
     if (made.faces == 0) return EncodeError{"the grid has no faces; expected cells with an area"};
     Box box;
     for (const Box& one : qnv::gather_records<Box>(shared_.ranks(), std::span(&box_, 1))) box.add(one);
+    OmittedCells omitted;
+    for (const OmittedCells& one : qnv::gather_records<OmittedCells>(shared_.ranks(), std::span(&omitted_, 1)))
+      omitted.add(one);
+    made.omitted = omitted.text();
     made.size = box.size();
     made.origin = origin_;
     made.color_key = key_;
@@ -314,11 +413,14 @@ class GridSurfaceMaker {
   std::uint64_t memory_;
   Progress* progress_;
   LargeGridReader reader_;
+  qnv::RankShare own_;                                // runs that this rank reads
+  std::vector<std::optional<FinishedRun>> finished_;  // results of an earlier run of the program
   GridRanges ranges_;
   std::optional<ColorKey> key_;
   glm::dvec3 origin_{0};
   std::vector<StoredTriangles> stored_;
   Box box_;
+  OmittedCells omitted_;
 };
 
 }  // namespace

@@ -1,11 +1,13 @@
 #include "app/encode/grids/large_grid.h"
 
+#include "app/base/local_file.h"
 #include "app/formats/common/import_context.h"
 #include "app/formats/datasets/vtk/vtk_index.h"
 #include "app/formats/vtk/bookkeeping.h"
 
 #include <algorithm>
 #include <array>
+#include <system_error>
 #include <utility>
 
 namespace gs::app {
@@ -33,6 +35,22 @@ double import_bytes(const LargeGrid& grid) {
   return bytes;
 }
 
+// Returns the file of a grid on disk. Ignores upper and lower case as the reader of the headers does.
+LargeGrid::File file_on_disk(const std::string& grid, const std::string& name) {
+  const std::size_t slash = grid.rfind('/');
+  LargeGrid::File file;
+  if (name.empty())
+    file.path = grid;
+  else if (name.starts_with('/') || slash == std::string::npos)
+    file.path = name;
+  else
+    file.path = grid.substr(0, slash + 1) + name;
+  std::error_code error;
+  if (std::string found = existing_path(file.path); !found.empty()) file.path = std::move(found);
+  file.changed = std::filesystem::last_write_time(file.path, error);
+  return file;
+}
+
 bool has_usual_components(const VtkArray& array) { return array.components > 0 && array.components <= kMostComponents; }
 
 }  // namespace
@@ -47,11 +65,15 @@ std::string title_of_values(const VtkArray& array, const VoxelComponent& choice)
          (array.units.empty() ? "" : " (" + array.units + ")");
 }
 
-std::string LargeGrid::path_of(std::size_t file) const {
-  const std::string& name = files.files[file].path;
-  if (name.empty() || name.starts_with('/')) return name.empty() ? path : name;
-  const std::size_t slash = path.rfind('/');
-  return slash == std::string::npos ? name : path.substr(0, slash + 1) + name;
+bool LargeGrid::is_changed(std::size_t file) const {
+  std::error_code error;
+  const File& own = on_disk[file];
+  return std::filesystem::file_size(own.path, error) != files.files[file].size || error ||
+         std::filesystem::last_write_time(own.path, error) != own.changed || error;
+}
+
+std::string LargeGrid::message(std::size_t file, const std::string& text) const {
+  return files.files[file].path.empty() ? text : on_disk[file].path + ": " + text;
 }
 
 std::optional<LargeGrid> open_large_grid(const VolumeFile& file, std::uint64_t memory) {
@@ -69,8 +91,8 @@ std::optional<LargeGrid> open_large_grid(const VolumeFile& file, std::uint64_t m
   auto files = vtk_grid_files(file);
   if (!files) return std::nullopt;
   LargeGrid grid;
-  grid.path = file.path;
   grid.files = std::move(*files);
+  for (const VtkPartFile& one : grid.files.files) grid.on_disk.push_back(file_on_disk(file.path, one.path));
   grid.choice = file.component;
   std::uint64_t runs = 0;
   for (std::size_t i = 0; i < grid.files.files.size(); ++i) {
@@ -97,13 +119,14 @@ std::optional<LargeGrid> open_large_grid(const VolumeFile& file, std::uint64_t m
 std::variant<std::unique_ptr<GridPartReader>, std::string> GridPartReader::open(const LargeGrid& grid,
                                                                                 std::size_t part) {
   std::unique_ptr<GridPartReader> reader(new GridPartReader(grid, part));
-  const std::string path = grid.path_of(grid.parts[part].file);
-  auto opened = net::open_file(path);
+  const std::size_t file = grid.parts[part].file;
+  auto opened = net::open_file(grid.on_disk[file].path);
   if (const auto* const problem = std::get_if<net::FileError>(&opened)) return problem->message;
   reader->file_ = std::make_shared<const net::RandomAccessFile>(std::move(std::get<net::RandomAccessFile>(opened)));
-  if (reader->file_->size() != grid.files.files[grid.parts[part].file].size)
-    return path + ": another program changed the file, or it is compressed; expected a plain file";
-  if (auto problem = reader->open_arrays()) return path + ": " + *problem;
+  if (reader->file_->size() != grid.files.files[file].size)
+    return grid.message(file, "another program changed the file, or it is compressed; expected a plain file");
+  if (grid.is_changed(file)) return grid.message(file, kChangedGridFile);
+  if (auto problem = reader->open_arrays()) return grid.message(file, *problem);
   return reader;
 }
 

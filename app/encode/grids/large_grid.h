@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
@@ -28,15 +29,26 @@ struct LargeGrid {
   };
   static constexpr std::uint64_t kRunCells = std::uint64_t{1} << 16;
 
-  std::string path;    // of the first file
-  VtkPartFiles files;  // with the array to show
+  /// File on disk. Another program may change it while parts are read.
+  struct File {
+    std::string path;
+    std::filesystem::file_time_type changed{};  // time of its last change when the grid was opened
+  };
+
+  VtkPartFiles files;           // with the array to show
+  std::vector<File> on_disk{};  // one for each of files.files
   VoxelComponent choice;
   std::vector<Part> parts;
   std::vector<Run> runs;
 
-  /// Returns the path of a file.
-  [[nodiscard]] std::string path_of(std::size_t file) const;
+  /// Reports whether another program changed a file since the grid was opened.
+  [[nodiscard]] bool is_changed(std::size_t file) const;
+  /// Returns an error text. Names the file unless it is the first one, which callers name.
+  [[nodiscard]] std::string message(std::size_t file, const std::string& text) const;
 };
+
+/// Error text for a file that another program changed.
+inline constexpr const char* kChangedGridFile = "another program changed the file; encode it again";
 
 /// Opens an unstructured grid if an importer would need more than `memory` bytes for its surface. Reads only headers.
 /// Returns nullopt for other files, and for choices that need all values at once.

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <utility>
 
@@ -233,8 +234,18 @@ class PartedEncoder {
     return done && good;
   }
 
+  /// Returns the name of work on a part, which identifies its result for later runs. Parts do not depend on ranks.
+  [[nodiscard]] std::string name_of(const char* work, std::size_t i) const {
+    return std::string(work) + " " + std::to_string(most_) + " " + std::to_string(parts_.size()) + " " +
+           std::to_string(i);
+  }
+
   bool build_tree(std::size_t i) {
     Part& part = parts_[i];
+    if (restore_tree(name_of("tree", i), part.splats.splats, store_, part.tree, part.top)) {
+      advance(part.splats.splats);
+      return true;
+    }
     const auto splats = read_part(part.splats, source_.degree, store_);
     if (!splats) return fail_to_store();
     // Other parts may hide splats, but not most of those that their own part shows.
@@ -243,10 +254,10 @@ class PartedEncoder {
     Forest leaves = leaves_of(*splats, splats->description.box, plan_.detail, visibility);
     const auto tree = MergeTree::join(std::move(leaves), plan_.detail, kRoots, 1, progress_);
     if (!tree) return false;
-    auto stored = store_tree(*tree, store_);
+    part.top = top_of(*tree, *splats, kTop);
+    auto stored = store_tree(*tree, part.top, name_of("tree", i), part.splats.splats, store_);
     if (!stored) return fail_to_store();
     part.tree = std::move(*stored);
-    part.top = top_of(*tree, *splats, kTop);
     advance(part.splats.splats);
     return true;
   }
@@ -283,18 +294,28 @@ class PartedEncoder {
 
   bool encode_part(std::size_t i) {
     Part& part = parts_[i];
-    part.records = std::make_unique<ChunkRecords>(store_, first_id_);
-    if (!part.ranges.empty()) {
-      const auto splats = read_part(part.splats, source_.degree, store_);
-      const auto tree = splats ? read_tree(part.tree, *splats, plan_.detail, store_) : std::nullopt;
-      if (!tree) return fail_to_store();
-      const MeanHarmonics harmonics(*tree, *splats);
-      ClusterWork work{*splats, *tree, plan_.precision, first_id_, first_error_};
-      if (!encode_chunks(work, std::exchange(part.ranges, {}), harmonics, options_, *part.records, nullptr, progress_))
-        return fail_to_store();
+    part.records = ChunkRecords::finished(name_of("chunks", i), first_id_, store_);
+    if (!part.records) {
+      // Collects the chunks, so that they are consecutive in the store.
+      MemoryStore memory;
+      SharedStore collected(memory);
+      ChunkRecords records(collected, first_id_);
+      if (!part.ranges.empty() && !encode_ranges(part, records)) return false;
+      part.records = records.finish(name_of("chunks", i), memory, store_);
+      if (!part.records) return fail_to_store();
     }
     advance(part.splats.splats);
     return true;
+  }
+
+  bool encode_ranges(Part& part, ChunkRecords& records) {
+    const auto splats = read_part(part.splats, source_.degree, store_);
+    const auto tree = splats ? read_tree(part.tree, *splats, plan_.detail, store_) : std::nullopt;
+    if (!tree) return fail_to_store();
+    const MeanHarmonics harmonics(*tree, *splats);
+    ClusterWork work{*splats, *tree, plan_.precision, first_id_, first_error_};
+    return encode_chunks(work, std::exchange(part.ranges, {}), harmonics, options_, records, nullptr, progress_) ||
+           fail_to_store();
   }
 
   const GaussianSource& source_;
