@@ -17,7 +17,7 @@ namespace {
 
 // Limits of the levels of one file: bytes of decoded clusters, bytes for cuts, and number of Gaussians.
 constexpr qnv::SplatLimits kLevelLimits{std::size_t{1} << 27, std::size_t{1} << 28, GaussianLevels::kMost};
-// Maximum number of Gaussians of a view that moves. Two cores draw about 8 M per second.
+// Maximum number of Gaussians of a view that moves without a budget. Two cores draw about 8 M per second.
 constexpr std::size_t kMostMoving = 400'000;
 // Maximum seconds from the end of a motion until all Gaussians replace the cut. Longer than the fades of the cut.
 constexpr double kSettling = 0.28;
@@ -128,7 +128,7 @@ const std::vector<qnv::SplatRun>* GaussianLevels::cut(const std::shared_ptr<cons
   qnv::LodView fine = motion.view, wanted = motion.view;
   fine.error_pixels /= std::max(motion.coarseness, 1.0f);
   fine.budget = 0;
-  wanted.budget = !moves ? 0 : wanted.budget == 0 ? kMostMoving : std::min(wanted.budget, kMostMoving);
+  wanted.budget = !moves ? 0 : wanted.budget == 0 ? kMostMoving : wanted.budget;
   if (!entry.work && (moves || eager) && !working()) start(gaussians, motion, entry);
   if (entry.work && moves) entry.work->moves = true;
   if (entry.work && entry.work->done && entry.work->stream) changing_ = false;
