@@ -116,8 +116,8 @@ class GaussianCollector {
         if (options_.most_decoded > 0)
           view->most_decoded = std::max<std::size_t>(options_.most_decoded / kDecodingCost, 1);
         // A GPU is usually fast enough. So with OpenGL, levels start only with a slow motion.
-        if (const auto* runs =
-                levels_.cut(shared, {*view, options_.splat_error, *options_.time}, !with_gl_, scene_.pending))
+        if (const auto* runs = levels_.cut(shared, {*view, options_.splat_error, *options_.time, list_.budget},
+                                           !with_gl_, scene_.pending))
           return add_runs(item, *runs);
       }
     scene_.held.push_back(std::move(shared));
