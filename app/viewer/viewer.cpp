@@ -18,6 +18,7 @@ namespace {
 constexpr int kSettlingFrames = 3;     // number of frames until the interface has adapted to a change
 constexpr double kIdleWait = 30;       // seconds; max wait without events
 constexpr double kLongPicture = 0.3;   // seconds; longer drawing is a delay that users notice
+constexpr double kMaxPresenting = 0.01;  // seconds; longer presenting includes the wait for the display
 constexpr double kLoadingWait = 0.25;  // seconds between pictures of the moving progress line
 
 ViewerControllerOptions controller_options(const ViewerOptions& options, float scale) {
@@ -140,7 +141,7 @@ void Viewer::run() {
     controller_.apply(ui_.build(model_));
     if (tools_.go_on(session_.view(), teller())) frames_wanted_ = kSettlingFrames;
     ui_.draw();
-    window_->present();
+    present(now);
     measure(now, Window::now(), in_motion);
     if (frames_wanted_ > 0) --frames_wanted_;
     if (ui_.has_input_left()) frames_wanted_ = kSettlingFrames;
@@ -203,6 +204,15 @@ void Viewer::tell(const Frame& frame) {
   if (frame.changed) frames_wanted_ = std::max(frames_wanted_, 1);
   if (controller_.tell(frame) || tools_.take_values()) frames_wanted_ = kSettlingFrames;
   show_title();
+}
+
+// Shows the frame that began at time `started`, and records its duration for the pictures in it.
+void Viewer::present(double started) {
+  const double drawn = Window::now();
+  window_->present();
+  const double seconds = drawn - started + std::min(Window::now() - drawn, kMaxPresenting);
+  for (const DrawnPicture& picture : std::exchange(drawn_, {}))
+    details_[picture.pane].note(picture.level, picture.given_up, seconds, picture.gaussians);
 }
 
 void Viewer::measure(double started, double now, bool in_motion) {

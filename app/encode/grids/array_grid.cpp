@@ -148,13 +148,15 @@ class JoinedAxes final : public GridNumbers {
 /// Grid in a file of arrays.
 class ArrayGrid final : public GridSource {
  public:
-  ArrayGrid(DatasetGrid grid, std::string path)
-      : arrays_(std::make_shared<OpenArrays>()), grid_(std::move(grid.rows)), path_(std::move(path)) {
+  ArrayGrid(DatasetGrid grid, GridFile on_disk)
+      : arrays_(std::make_shared<OpenArrays>()), grid_(std::move(grid.rows)), on_disk_(std::move(on_disk)) {
     arrays_->file = std::move(grid.file);
   }
 
-  [[nodiscard]] std::string path_of(std::size_t) const override { return path_; }
+  [[nodiscard]] bool is_changed(std::size_t) const override { return on_disk_.is_changed(); }
+  [[nodiscard]] std::string message(std::size_t, const std::string& text) const override { return text; }
   [[nodiscard]] std::variant<GridPartArrays, std::string> open(std::size_t part) const override {
+    if (on_disk_.is_changed()) return std::string(kChangedGridFile);
     const GridPartRows& rows = grid_.parts[part];
     GridPartArrays made;
     std::string problem;
@@ -195,7 +197,7 @@ class ArrayGrid final : public GridSource {
 
   std::shared_ptr<OpenArrays> arrays_;
   GridRows grid_;
-  std::string path_;
+  GridFile on_disk_;
 };
 
 // Reports whether a part can be read in parts: its arrays belong together, and its numbers are in range.
@@ -213,11 +215,11 @@ std::optional<LargeGrid> open_array_grid(const VolumeFile& file, std::uint64_t m
   auto opened = open_dataset_grid(file);
   if (!opened || !std::ranges::all_of(opened->rows.parts, is_sound)) return std::nullopt;
   LargeGrid grid;
-  grid.path = file.path;
   grid.title = opened->rows.title;
   grid.shows_values = opened->rows.has_values;
   for (const GridPartRows& part : opened->rows.parts) grid.parts.push_back({part.points, part.cells, part.space});
-  grid.source = std::make_shared<ArrayGrid>(std::move(*opened), file.path);
+  grid.source =
+      std::make_shared<ArrayGrid>(std::move(*opened), GridFile::find(file.path, {}, file.content.bytes.size()));
   return grid;
 }
 

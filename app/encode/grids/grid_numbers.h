@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
@@ -35,14 +36,31 @@ struct GridPartArrays {
   bool omits_polyhedra = false;  // the importer of the format omits them, too
 };
 
+/// Error text for a file that another program changed.
+inline constexpr const char* kChangedGridFile = "another program changed the file; encode it again";
+
+/// File on disk. Another program may change it while parts are read.
+struct GridFile {
+  std::string path;
+  std::uint64_t size = 0;                        // of the opened file
+  std::filesystem::file_time_type changed_at{};  // time of the last change when the grid was opened
+
+  /// Finds the file of a grid. `name` is relative to the folder of the file `grid`, or empty for that file itself.
+  /// Ignores upper and lower case, as the readers of headers do.
+  [[nodiscard]] static GridFile find(const std::string& grid, const std::string& name, std::uint64_t size);
+  [[nodiscard]] bool is_changed() const;
+};
+
 /// File or files of a grid.
 class GridSource {
  public:
   virtual ~GridSource() = default;
   /// Opens the arrays of a part. Returns a message without the path on failure.
   [[nodiscard]] virtual std::variant<GridPartArrays, std::string> open(std::size_t part) const = 0;
-  /// Returns the path of the file of a part.
-  [[nodiscard]] virtual std::string path_of(std::size_t part) const = 0;
+  /// Reports whether another program changed the file of a part since the grid was opened.
+  [[nodiscard]] virtual bool is_changed(std::size_t part) const = 0;
+  /// Returns an error text. Names the file of a part unless it is the first one, which callers name.
+  [[nodiscard]] virtual std::string message(std::size_t part, const std::string& text) const = 0;
 };
 
 }  // namespace gs::app

@@ -36,10 +36,35 @@ struct StoredTriangles {
   std::uint64_t offset = 0, count = 0;
 };
 
+/// Numbers of cells that a surface cannot show.
+struct OmittedCells {
+  std::uint64_t lines = 0;     // lines and vertices
+  std::uint64_t unknown = 0;   // of unsupported types
+  std::uint64_t short_of = 0;  // without all of their corners
+
+  void add(const OmittedCells& other) {
+    lines += other.lines;
+    unknown += other.unknown;
+    short_of += other.short_of;
+  }
+  /// Returns a text that names all numbers above 0. Returns an empty text if there are none.
+  [[nodiscard]] std::string text() const {
+    std::string text;
+    const auto name = [&](std::uint64_t count, const char* what) {
+      if (count > 0) text += (text.empty() ? "" : ", ") + std::to_string(count) + what;
+    };
+    name(lines, " lines and vertices");
+    name(unknown, " cells of unsupported types");
+    name(short_of, " cells without all of their corners");
+    return text.empty() ? text : text + " are left out; the surface has the faces of the other cells";
+  }
+};
+
 /// Result of a run that is recorded for later runs of the program.
 struct FinishedRun {
   StoredTriangles triangles;
   Box box;
+  OmittedCells omitted;
 };
 
 /// Returns a record if the bytes have its size.
@@ -105,11 +130,18 @@ class RunTriangles {
     return true;
   }
 
-  /// Adds the polygons and strips.
+  /// Adds the polygons and strips. Counts the cells that the surface cannot show.
   bool add_flat() {
     for (std::size_t i = 0; i < cells_.types.size(); ++i) {
       const GridShape shape = grid_shape(cells_.types[i]);
       auto corners = cells_.cell(i);
+      const bool hidden = cells_.types[i] == 0;
+      if (shape.as == GridShape::As::nothing)
+        omitted.unknown += hidden ? 0 : 1;
+      else if (corners.size() < shape.corners)
+        ++omitted.short_of;
+      else if (shape.as == GridShape::As::line || shape.as == GridShape::As::vertices)
+        ++omitted.lines;
       if (corners.size() < shape.corners) continue;
       if (!shape.any_number) corners = corners.first(shape.corners);
       bool good = true;
@@ -129,6 +161,7 @@ class RunTriangles {
 
   std::vector<StoredTriangle> triangles;
   Box box;
+  OmittedCells omitted;
 
  private:
   bool color_of(std::uint64_t row, qnv::Rgb8& color) {
@@ -198,6 +231,7 @@ class GridSurfaceMaker {
   void take(const FinishedRun& run) {
     stored_.push_back(run.triangles);
     box_.add(run.box);
+    omitted_.add(run.omitted);
   }
 
   void begin_stage(const char* stage, std::uint64_t passes) {
@@ -225,7 +259,7 @@ class GridSurfaceMaker {
       if (const auto* const problem = std::get_if<std::string>(&opened)) return EncodeError{*problem};
       const bool has_own_points = number == 0 || grid_.parts[number - 1].space != grid_.parts[number].space;
       if (!survey_rows(*std::get<GridPartReader*>(opened), first, has_own_points))
-        return EncodeError{grid_.path_of(number) + ": the arrays are damaged"};
+        return EncodeError{grid_.source->message(number, "the arrays are damaged")};
       if (progress_) progress_->done += kTogether;
     }
     return std::nullopt;
@@ -300,17 +334,17 @@ class GridSurfaceMaker {
       RunTriangles made(part, run, cells, key_, grid_.shows_values, origin_);
       bool good = made.add_flat();
       for (; next != outer.end() && next->run == number && good; ++next) {
-        if (next->cell() >= cells.types.size())
-          return EncodeError{grid_.path_of(run.part) + ": another program changed the file; encode it again"};
+        if (next->cell() >= cells.types.size()) return EncodeError{grid_.source->message(run.part, kChangedGridFile)};
         const std::uint8_t type = cells.types[next->cell()];
         const GridShape shape = grid_shape(type);
         const auto cell = cells.cell(next->cell());
         if (next->face() >= shape.faces.size() || cell.size() < shape.corners)
-          return EncodeError{grid_.path_of(run.part) + ": another program changed the file; encode it again"};
+          return EncodeError{grid_.source->message(run.part, kChangedGridFile)};
         good = made.add(face_of(cell, type, next->face()).list(), next->cell());
       }
-      if (!good) return EncodeError{grid_.path_of(run.part) + ": the arrays are damaged"};
-      const FinishedRun finished{{shared_.store().size(), made.triangles.size()}, made.box};
+      if (grid_.source->is_changed(run.part)) return EncodeError{grid_.source->message(run.part, kChangedGridFile)};
+      if (!good) return EncodeError{grid_.source->message(run.part, "the arrays are damaged")};
+      const FinishedRun finished{{shared_.store().size(), made.triangles.size()}, made.box, made.omitted};
       if ((!made.triangles.empty() && !shared_.store().append(std::as_bytes(std::span(made.triangles)))) ||
           !shared_.store().finish(name_of(number), finished.triangles.offset, std::as_bytes(std::span(&finished, 1))))
         return EncodeError{shared_.store().problem()};
@@ -329,6 +363,10 @@ class GridSurfaceMaker {
     if (made.faces == 0) return EncodeError{"the grid has no faces; expected cells with an area"};
     Box box;
     for (const Box& one : qnv::gather_records<Box>(shared_.ranks(), std::span(&box_, 1))) box.add(one);
+    OmittedCells omitted;
+    for (const OmittedCells& one : qnv::gather_records<OmittedCells>(shared_.ranks(), std::span(&omitted_, 1)))
+      omitted.add(one);
+    made.omitted = omitted.text();
     made.size = box.size();
     made.origin = origin_;
     made.color_key = key_;
@@ -370,6 +408,7 @@ class GridSurfaceMaker {
   glm::dvec3 origin_{0};
   std::vector<StoredTriangles> stored_;
   Box box_;
+  OmittedCells omitted_;
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "app/encode/grids/large_grid.h"
 
+#include "app/base/local_file.h"
 #include "app/encode/grids/grid_sources.h"
 #include "app/formats/common/import_context.h"
 #include "app/formats/vtk/bookkeeping.h"
@@ -8,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <system_error>
 #include <utility>
 
 namespace gs::app {
@@ -30,6 +32,28 @@ double import_bytes(const LargeGrid& grid) {
 
 }  // namespace
 
+GridFile GridFile::find(const std::string& grid, const std::string& name, std::uint64_t size) {
+  const std::size_t slash = grid.rfind('/');
+  GridFile file;
+  file.size = size;
+  if (name.empty())
+    file.path = grid;
+  else if (name.starts_with('/') || slash == std::string::npos)
+    file.path = name;
+  else
+    file.path = grid.substr(0, slash + 1) + name;
+  std::error_code error;
+  if (std::string found = existing_path(file.path); !found.empty()) file.path = std::move(found);
+  file.changed_at = std::filesystem::last_write_time(file.path, error);
+  return file;
+}
+
+bool GridFile::is_changed() const {
+  std::error_code error;
+  return std::filesystem::file_size(path, error) != size || error ||
+         std::filesystem::last_write_time(path, error) != changed_at || error;
+}
+
 std::optional<LargeGrid> open_large_grid(const VolumeFile& file, std::uint64_t memory) {
   const bool needs_all =
       file.component.colors.range == SurfaceColors::Range::contrast || file.component.flow != FlowForm::values;
@@ -51,7 +75,7 @@ std::optional<LargeGrid> open_large_grid(const VolumeFile& file, std::uint64_t m
 std::variant<std::unique_ptr<GridPartReader>, std::string> GridPartReader::open(const LargeGrid& grid,
                                                                                 std::size_t part) {
   auto opened = grid.source->open(part);
-  if (const auto* const problem = std::get_if<std::string>(&opened)) return grid.path_of(part) + ": " + *problem;
+  if (const auto* const problem = std::get_if<std::string>(&opened)) return grid.source->message(part, *problem);
   return std::unique_ptr<GridPartReader>(new GridPartReader(grid, part, std::move(std::get<GridPartArrays>(opened))));
 }
 

@@ -31,7 +31,6 @@ struct LargeGrid {
   /// Maximum number of runs, and of parts, for lists of at most 256 MB.
   static constexpr std::uint64_t kMostRuns = std::uint64_t{1} << 22;
 
-  std::string path;               // of the first file
   std::uint64_t other_bytes = 0;  // size of the other files
   std::shared_ptr<const GridSource> source;
   VoxelComponent choice;
@@ -39,9 +38,6 @@ struct LargeGrid {
   std::string title;  // of the shown values, for a colour key; empty for colours, and without values
   std::vector<Part> parts;
   std::vector<Run> runs;
-
-  /// Returns the path of the file of a part.
-  [[nodiscard]] std::string path_of(std::size_t part) const { return source->path_of(part); }
 };
 
 /// Opens an unstructured grid if an importer would need more than `memory` bytes for its surface. Reads only headers.

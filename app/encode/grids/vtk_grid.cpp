@@ -43,22 +43,25 @@ class VtkGrid final : public GridSource {
     std::uint64_t points = 0, cells = 0;
   };
 
-  VtkGrid(std::string path, VtkPartFiles files, std::vector<Piece> pieces, VoxelComponent choice)
-      : path_(std::move(path)), files_(std::move(files)), pieces_(std::move(pieces)), choice_(std::move(choice)) {}
+  VtkGrid(const std::string& path, VtkPartFiles files, std::vector<Piece> pieces, VoxelComponent choice)
+      : files_(std::move(files)), pieces_(std::move(pieces)), choice_(std::move(choice)) {
+    for (const VtkPartFile& file : files_.files) on_disk_.push_back(GridFile::find(path, file.path, file.size));
+  }
 
-  [[nodiscard]] std::string path_of(std::size_t part) const override {
-    const std::string& name = files_.files[pieces_[part].file].path;
-    if (name.empty() || name.starts_with('/')) return name.empty() ? path_ : name;
-    const std::size_t slash = path_.rfind('/');
-    return slash == std::string::npos ? name : path_.substr(0, slash + 1) + name;
+  [[nodiscard]] bool is_changed(std::size_t part) const override { return on_disk_[pieces_[part].file].is_changed(); }
+  [[nodiscard]] std::string message(std::size_t part, const std::string& text) const override {
+    const std::size_t file = pieces_[part].file;
+    return files_.files[file].path.empty() ? text : on_disk_[file].path + ": " + text;
   }
 
   [[nodiscard]] std::variant<GridPartArrays, std::string> open(std::size_t part) const override {
-    auto opened = net::open_file(path_of(part));
+    const GridFile& on_disk = on_disk_[pieces_[part].file];
+    auto opened = net::open_file(on_disk.path);
     if (const auto* const problem = std::get_if<net::FileError>(&opened)) return problem->message;
     const auto file = std::make_shared<const net::RandomAccessFile>(std::move(std::get<net::RandomAccessFile>(opened)));
-    if (file->size() != files_.files[pieces_[part].file].size)
+    if (file->size() != on_disk.size)
       return std::string("another program changed the file, or it is compressed; expected a plain file");
+    if (on_disk.is_changed()) return std::string(kChangedGridFile);
     return Opening{*this, pieces_[part], file}.arrays();
   }
 
@@ -88,8 +91,8 @@ class VtkGrid final : public GridSource {
   };
   [[nodiscard]] const VtkXmlHeader& header_of(const Piece& piece) const { return files_.files[piece.file].header; }
 
-  std::string path_;  // of the first file
   VtkPartFiles files_;
+  std::vector<GridFile> on_disk_;  // one for each of files_.files
   std::vector<Piece> pieces_;
   VoxelComponent choice_;
 };
@@ -155,7 +158,6 @@ std::optional<LargeGrid> open_vtk_grid(const VolumeFile& file, std::uint64_t mem
   auto files = vtk_grid_files(file);
   if (!files) return std::nullopt;
   LargeGrid grid;
-  grid.path = file.path;
   grid.shows_values = !files->shown.name.empty();
   std::vector<VtkGrid::Piece> pieces;
   std::uint64_t least_runs = 0;

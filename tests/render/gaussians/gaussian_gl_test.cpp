@@ -1,5 +1,6 @@
 #include "render/gaussians/gaussian_gl.h"
 
+#include "render/gaussians/gaussian_overlap.h"
 #include "render/gaussians/gaussian_pass.h"
 #include "tests/render/gaussians/gaussian_scenes.h"
 #include "tests/render/volume_scenes.h"
