@@ -417,7 +417,7 @@ class GaussianPainter {
     const std::span<const float> stops = target.stops;
     for (int y = 0; !stops.empty() && y < kGaussianTile; ++y)
       for (int x = 0; x < kGaussianTile; ++x)
-        tile.groups[GaussianTile::group_of(x, y)].stop[GaussianTile::lane_of(x, y)] =
+        tile.blocks[GaussianTile::block_of(x, y)].channel(GaussianBlock::kStop)[GaussianTile::lane_of(x, y)] =
             stops[static_cast<std::size_t>(std::min(bottom + y, view_.height - 1)) *
                       static_cast<std::size_t>(view_.width) +
                   static_cast<std::size_t>(std::min(left + x, view_.width - 1))];
