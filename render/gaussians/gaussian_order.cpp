@@ -44,7 +44,8 @@ void sort_gaussians(std::vector<GaussianKey>& keys, std::vector<GaussianKey>& ot
         threads);
     std::uint32_t next = 0;
     for (std::size_t digit = 0; digit < digits; ++digit)
-      for (std::size_t part = 0; part < parts; ++part) next += std::exchange(places.data()[part * digits + digit], next);
+      for (std::size_t part = 0; part < parts; ++part)
+        next += std::exchange(places.data()[part * digits + digit], next);
     parallel_for(
         parts,
         [&](std::size_t part) {

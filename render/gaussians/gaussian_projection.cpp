@@ -177,7 +177,8 @@ void project_gaussians(const GaussianItem& item, const SplatView& view, std::siz
         away = g.positions[i] - eye;
         length = std::sqrt(glm::dot(away, away));
       }
-      color = gaussian_color(g.bases.data()[i], harmonics, length > 0 ? g.degree : 0, length > 0 ? away / length : away);
+      color =
+          gaussian_color(g.bases.data()[i], harmonics, length > 0 ? g.degree : 0, length > 0 ? away / length : away);
       if (item.fog.on) color = fogged(item.fog, color, seen);
       if (!std::isfinite(color.x + color.y + color.z)) continue;
       splat.red = color.x;
