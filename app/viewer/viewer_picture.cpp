@@ -10,8 +10,9 @@ namespace {
 // Max vectors of streams that are decoded in a frame for all viewports. Takes about 20 ms of one core.
 constexpr std::size_t kMaxDecoded = 250'000;
 constexpr double kMaxUninterrupted = 0.4;  // seconds of drawing after which new events can cancel a picture
-// Pictures that take longer than PictureDetail::kGoal decode more, up to this factor, so that fewer are necessary.
-constexpr double kMostMoreDecoded = 3;
+// Each picture of a view at rest may decode twice as much as the one before, up to this power of two. So the first one
+// is soon visible, and few are necessary.
+constexpr unsigned kMostDoublings = 5;
 constexpr double kMaxAhead = 0.25;  // maximum of the expected drawing time, in seconds
 constexpr int kSettlingFramesAfterWait = 3;
 constexpr glm::vec3 kEmptyBackground(0.17f, 0.18f, 0.20f);
@@ -121,10 +122,9 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   draw.coarseness = PictureDetail::kQualities[level].coarseness;
   draw.splat_error = PictureDetail::splat_error(level);
   draw.most_gaussians = detail.most_gaussians(level);
-  if (level == 0)
-    draw.most_decoded =
-        static_cast<std::size_t>(static_cast<double>(draw.most_decoded) *
-                                 std::clamp(picture_seconds_ / PictureDetail::kGoal, 1.0, kMostMoreDecoded));
+  unsigned& doublings = doublings_[picture.pane];
+  doublings = same && level == 0 ? std::min(doublings + 1, kMostDoublings) : 0;
+  draw.most_decoded <<= doublings;
   if (PictureDetail::kQualities[level].one_sample) draw.samples = 1;
   // Uses the fades of the time at which the picture will be visible.
   draw.time = begin + std::min(picture_seconds_, kMaxAhead);
