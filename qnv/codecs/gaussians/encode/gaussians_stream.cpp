@@ -44,7 +44,10 @@ std::variant<EncodedStream, EncodeError> encode_whole(const GaussianSource& sour
   MemoryStore memory;
   SharedStore store(options.spill ? *options.spill : memory);
   ChunkRecords records(store, 0);
+  const auto fitted = fit_nodes(*tree, {{}, source.antialiased, options.vectors}, options.threads, progress);
+  if (!fitted) return EncodeError{"cancelled"};
   ClusterWork work{splats, *tree, plan.precision};
+  work.fitted = &*fitted;
   if (!encode_chunks(work, {}, MeanHarmonics(*tree, splats), options, records, nullptr, progress))
     return EncodeError{is_cancelled(progress) ? "cancelled" : store.problem()};
   std::vector<ChunkRecord> all;

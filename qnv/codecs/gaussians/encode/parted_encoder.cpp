@@ -3,6 +3,7 @@
 #include "qnv/codecs/gaussians/encode/part_tree.h"
 #include "qnv/codecs/gaussians/encode/splat_parts.h"
 #include "qnv/codecs/gaussians/encode/stream_plan.h"
+#include "qnv/codecs/gaussians/encode/tree_cuts.h"
 #include "qnv/codecs/gaussians/encode/visibility.h"
 #include "qnv/codecs/shared/shared_records.h"
 
@@ -266,7 +267,10 @@ class PartedEncoder {
   bool encode_top() {
     const auto tree = MergeTree::join(std::move(top_.forest), plan_.detail, 1, options_.threads, progress_);
     if (!tree) return false;
+    const auto fitted = fit_nodes(*tree, fit_start(), options_.threads, progress_);
+    if (!fitted) return false;
     ClusterWork work{top_.leaves, *tree, plan_.precision};
+    work.fitted = &*fitted;
     const MeanHarmonics harmonics(*tree, top_.leaves, std::move(top_.harmonics));
     std::vector<OpenCluster> given;
     if (!encode_chunks(work, {}, harmonics, options_, top_records_, &given, progress_)) return fail_to_store();
@@ -308,12 +312,21 @@ class PartedEncoder {
     return true;
   }
 
+  [[nodiscard]] FitStart fit_start() const { return {{}, source_.antialiased, options_.vectors}; }
+
   bool encode_ranges(Part& part, ChunkRecords& records) {
     const auto splats = read_part(part.splats, source_.degree, store_);
     const auto tree = splats ? read_tree(part.tree, *splats, plan_.detail, store_) : std::nullopt;
     if (!tree) return fail_to_store();
     const MeanHarmonics harmonics(*tree, *splats);
-    ClusterWork work{*splats, *tree, plan_.precision, first_id_, first_error_};
+    FitStart start = fit_start();
+    for (const OpenRange& range : part.ranges)
+      for (std::size_t i = range.from; i < range.to; ++i)
+        if (!range.cluster.nodes[i].leaf)
+          start.nodes.emplace_back(range.cluster.places[i], error_below(first_error_, range.cluster.head.level));
+    const auto fitted = fit_nodes(*tree, start, 1, progress_);
+    if (!fitted) return false;
+    ClusterWork work{*splats, *tree, plan_.precision, first_id_, first_error_, &*fitted};
     return encode_chunks(work, std::exchange(part.ranges, {}), harmonics, options_, records, nullptr, progress_) ||
            fail_to_store();
   }

@@ -1,6 +1,6 @@
 #include "qnv/codecs/gaussians/encode/merge_tree.h"
 
-#include "qnv/codecs/gaussians/encode/ellipsoid.h"
+#include "qnv/codecs/gaussians/ellipsoid.h"
 #include "tests/qnv/splat_clouds.h"
 
 #include <catch2/catch.hpp>
