@@ -43,13 +43,13 @@ void PictureDetail::choose(std::size_t level) {
 }
 
 /// Compares the times before and after the last change of the level. Returns to the former level if a coarser one
-/// saves no time, because the time does not depend on the pixels.
-void PictureDetail::learn() {
+/// saves no time, because the time does not depend on the pixels. Fewer Gaussians may still save time.
+void PictureDetail::learn(std::size_t gaussians) {
   const std::size_t low = std::min(former_, level_), high = std::max(former_, level_);
   const double finer = former_ < level_ ? former_mean_ : mean_, coarser = former_ < level_ ? mean_ : former_mean_;
   const double step = std::pow(finer / std::max(coarser, 1e-9), 1.0 / static_cast<double>(high - low));
   for (std::size_t level = low + 1; level <= high; ++level) growth_[level] = std::max(step, 1.0);
-  const bool useless = former_ < level_ && finer < kWorth * coarser;
+  const bool useless = former_ < level_ && finer < kWorth * coarser && (excess_ > 0 || gaussians <= kFewestGaussians);
   if (useless) choose(former_);
   if (useless) resting_ = kRestPictures;
   former_ = level_;
@@ -79,7 +79,7 @@ void PictureDetail::note(std::size_t level, bool given_up, double seconds, std::
   mean_ = pictures_ == 0 ? seconds : mean_ + kWeight * (seconds - mean_);
   ++pictures_;
   resting_ = std::max(resting_ - 1, 0);
-  if (former_ != level_ && pictures_ == kSlow) return learn();
+  if (former_ != level_ && pictures_ == kSlow) return learn(gaussians);
   if (mean_ > kGoal) {
     const bool sure = pictures_ >= kSlow || seconds > kFarTooLong * kGoal;
     if (!sure || draw_fewer(level, gaussians) || level >= kCoarsestComplete || resting_ > 0) return;

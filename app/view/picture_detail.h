@@ -46,7 +46,7 @@ class PictureDetail {
 
  private:
   void choose(std::size_t level);
-  void learn();
+  void learn(std::size_t gaussians);
   [[nodiscard]] bool draw_fewer(std::size_t level, std::size_t gaussians);
 
   std::size_t level_ = 0;

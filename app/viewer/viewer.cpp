@@ -15,11 +15,12 @@
 namespace gs::app {
 namespace {
 
-constexpr int kSettlingFrames = 3;     // number of frames until the interface has adapted to a change
-constexpr double kIdleWait = 30;       // seconds; max wait without events
-constexpr double kLongPicture = 0.3;   // seconds; longer drawing is a delay that users notice
-constexpr double kMaxPresenting = 0.01;  // seconds; longer presenting includes the wait for the display
-constexpr double kLoadingWait = 0.25;  // seconds between pictures of the moving progress line
+constexpr int kSettlingFrames = 3;                  // number of frames until the interface has adapted to a change
+constexpr double kIdleWait = 30;                    // seconds; max wait without events
+constexpr double kLongPicture = 0.3;                // seconds; longer drawing is a delay that users notice
+constexpr std::size_t kThumbnailVectors = 250'000;  // several per pixel; more would delay the window
+constexpr double kMaxPresenting = 0.01;             // seconds; longer presenting includes the wait for the display
+constexpr double kLoadingWait = 0.25;               // seconds between pictures of the moving progress line
 
 ViewerControllerOptions controller_options(const ViewerOptions& options, float scale) {
   ViewerControllerOptions result;
@@ -54,6 +55,7 @@ std::variant<std::vector<std::byte>, std::string> paint(render::Renderer& render
   draw.background = options.background;
   draw.splats = options.splats;
   draw.budget = options.budget > 0 ? options.budget : kWindowBudget;
+  draw.viewport = static_cast<std::uint32_t>(kMaxViewports);  // the levels of detail of the window stay
   draw.headlight = view.headlight;
   draw.unit = static_cast<float>(view.scale);
   draw.splat_style = view.look;
@@ -168,8 +170,10 @@ bool Viewer::ends() {
 void Viewer::keep_thumbnail(bool rests) {
   const View* const seen = session_.view();
   if (!seen || frame_.loading || !start_page_.wants(*seen, rests, Window::now())) return;
+  ViewerOptions options = options_;
+  options.budget = std::min(budget(), kThumbnailVectors);
   const auto made =
-      paint(*renderer_, options_, *seen, tools_.shown(kMaxViewports, *seen), {Thumbnails::kWidth, Thumbnails::kHeight});
+      paint(*renderer_, options, *seen, tools_.shown(kMaxViewports, *seen), {Thumbnails::kWidth, Thumbnails::kHeight});
   if (const auto* png = std::get_if<std::vector<std::byte>>(&made)) start_page_.keep(*seen, *png);
 }
 

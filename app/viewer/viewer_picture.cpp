@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kMaxDecoded = 250'000;
 constexpr double kMaxUninterrupted = 0.4;  // seconds of drawing after which new events can cancel a picture
 // Pictures that take longer than PictureDetail::kGoal decode more, up to this factor, so that fewer are necessary.
-constexpr double kMostMoreDecoded = 8;
+constexpr double kMostMoreDecoded = 3;
 constexpr double kMaxAhead = 0.25;  // maximum of the expected drawing time, in seconds
 constexpr int kSettlingFramesAfterWait = 3;
 constexpr glm::vec3 kEmptyBackground(0.17f, 0.18f, 0.20f);

@@ -298,19 +298,21 @@ class GridSurfaceMaker {
       const auto [number, first] = work[static_cast<std::size_t>(i)];
       const auto opened = reader_.part(number);
       if (const auto* const problem = std::get_if<std::string>(&opened)) return EncodeError{*problem};
-      if (!survey_rows(*std::get<GridPartReader*>(opened), first))
-        return EncodeError{grid_.message(grid_.parts[number].file, "the arrays are damaged")};
+      const bool has_own_points = number == 0 || grid_.parts[number - 1].space != grid_.parts[number].space;
+      if (!survey_rows(*std::get<GridPartReader*>(opened), first, has_own_points))
+        return EncodeError{grid_.source->message(number, "the arrays are damaged")};
       if (progress_) progress_->done += kTogether;
     }
     return std::nullopt;
   }
 
-  bool survey_rows(GridPartReader& part, std::uint64_t first) {
+  /// Finds the ranges in at most kTogether points and cells. Points that an earlier part has, too, count there.
+  bool survey_rows(GridPartReader& part, std::uint64_t first, bool has_own_points) {
     const auto rows_from = [first](std::uint64_t count) {
       return static_cast<std::size_t>(std::min(kTogether, count - std::min(count, first)));
     };
     std::vector<double> numbers;
-    if (part.wide() && rows_from(part.part().points) > 0) {
+    if (part.wide() && has_own_points && rows_from(part.part().points) > 0) {
       numbers.resize(3 * rows_from(part.part().points));
       if (!part.positions(first, numbers)) return false;
       for (std::size_t i = 0; i < numbers.size(); i += 3) {
@@ -319,7 +321,7 @@ class GridSurfaceMaker {
       }
     }
     const std::size_t rows = rows_from(part.of_points() ? part.part().points : part.part().cells);
-    if (!part.has_values() || part.has_colors() || rows == 0) return true;
+    if (!part.has_values() || part.has_colors() || rows == 0 || (part.of_points() && !has_own_points)) return true;
     numbers.resize(rows);
     if (!part.values(first, numbers)) return false;
     for (const double number : numbers) {
@@ -347,22 +349,10 @@ class GridSurfaceMaker {
   /// Makes the colour key and the origin from the ranges.
   void make_key() {
     if (!ranges_.box.empty()) origin_ = qnv::local_origin(ranges_.box);
-    const std::string title = this->title();
-    if (title.empty()) return;
+    if (grid_.title.empty()) return;
     std::vector<float> values;
     if (ranges_.low <= ranges_.high) values = {ranges_.low, ranges_.high};
-    key_ = color_key_of_choice(values, title, grid_.choice);
-  }
-
-  /// Returns the title of the shown array in the first part with this array. Empty for colours, or without the array.
-  [[nodiscard]] std::string title() const {
-    const VtkShownArray& shown = grid_.files.shown;
-    for (const LargeGrid::Part& part : grid_.parts)
-      for (const VtkArray& array : grid_.files.files[part.file].header.arrays)
-        if (!shown.name.empty() && array.piece == part.piece && array.section == shown.section &&
-            array.name == shown.name)
-          return title_of_values(array, grid_.choice);
-    return {};
+    key_ = color_key_of_choice(values, grid_.title, grid_.choice);
   }
 
   /// Stores the triangles of this rank's runs.
@@ -382,22 +372,20 @@ class GridSurfaceMaker {
       auto read = part.cells(run, most_run_corners(memory_));
       if (auto* const problem = std::get_if<std::string>(&read)) return EncodeError{std::move(*problem)};
       const GridRun& cells = std::get<GridRun>(read);
-      RunTriangles made(part, run, cells, key_, !grid_.files.shown.name.empty(), origin_);
+      RunTriangles made(part, run, cells, key_, grid_.shows_values, origin_);
       made.add_flat();
       for (; next != outer.end() && next->run == number; ++next) {
-        if (next->cell() >= cells.types.size())
-          return EncodeError{grid_.message(grid_.parts[run.part].file, kChangedGridFile)};
+        if (next->cell() >= cells.types.size()) return EncodeError{grid_.source->message(run.part, kChangedGridFile)};
         const std::uint8_t type = cells.types[next->cell()];
         const GridShape shape = grid_shape(type);
         const auto cell = cells.cell(next->cell());
         if (next->face() >= shape.faces.size() || cell.size() < shape.corners)
-          return EncodeError{grid_.message(grid_.parts[run.part].file, kChangedGridFile)};
+          return EncodeError{grid_.source->message(run.part, kChangedGridFile)};
         made.add(face_of(cell, type, next->face()).list(), next->cell());
       }
       const bool good = made.make();
-      if (grid_.is_changed(grid_.parts[run.part].file))
-        return EncodeError{grid_.message(grid_.parts[run.part].file, kChangedGridFile)};
-      if (!good) return EncodeError{grid_.message(grid_.parts[run.part].file, "the arrays are damaged")};
+      if (grid_.source->is_changed(run.part)) return EncodeError{grid_.source->message(run.part, kChangedGridFile)};
+      if (!good) return EncodeError{grid_.source->message(run.part, "the arrays are damaged")};
       const FinishedRun finished{{shared_.store().size(), made.triangles.size()}, made.box, made.omitted};
       if ((!made.triangles.empty() && !shared_.store().append(std::as_bytes(std::span(made.triangles)))) ||
           !shared_.store().finish(name_of(number), finished.triangles.offset, std::as_bytes(std::span(&finished, 1))))

@@ -17,13 +17,13 @@ namespace {
 
 using qnv::EncodeError;
 
-/// Face of a cell with its key: the part, and the sorted corners.
+/// Face of a cell with its key: the space of the points, and the sorted corners.
 struct StoredFace {
   std::array<std::int32_t, 4> corners{};  // sorted; for a triangle, the first one is kFaceEnd
-  std::uint32_t part = 0;
+  std::uint32_t space = 0;
   OuterFace face;
 
-  [[nodiscard]] auto key() const { return std::tie(part, corners); }
+  [[nodiscard]] auto key() const { return std::tie(space, corners); }
 };
 
 /// Consecutive faces in the store, all of one bucket.
@@ -165,7 +165,8 @@ class FaceSearch {
       if (const auto* const problem = std::get_if<std::string>(&part)) return EncodeError{*problem};
       auto read = std::get<GridPartReader*>(part)->cells(run, most_run_corners(memory_));
       if (auto* const problem = std::get_if<std::string>(&read)) return EncodeError{std::move(*problem)};
-      if (auto problem = store_run(static_cast<std::uint32_t>(number), run.part, std::get<GridRun>(read)))
+      if (auto problem =
+              store_run(static_cast<std::uint32_t>(number), grid_.parts[run.part].space, std::get<GridRun>(read)))
         return problem;
       if (worth_recording())
         if (auto problem = record_faces(number + 1)) return problem;
@@ -176,7 +177,7 @@ class FaceSearch {
     return shared_.store().publish() ? std::nullopt : std::optional(EncodeError{shared_.store().problem()});
   }
 
-  std::optional<EncodeError> store_run(std::uint32_t number, std::uint32_t part, const GridRun& cells) {
+  std::optional<EncodeError> store_run(std::uint32_t number, std::uint32_t space, const GridRun& cells) {
     for (std::size_t i = 0; i < cells.types.size(); ++i) {
       const GridShape shape = grid_shape(cells.types[i]);
       if (shape.as == GridShape::As::polyhedron)
@@ -190,7 +191,7 @@ class FaceSearch {
         stored.corners.fill(kFaceEnd);
         std::ranges::copy(found.list(), stored.corners.begin());
         std::ranges::sort(stored.corners);
-        stored.part = part;
+        stored.space = space;
         stored.face = {number, static_cast<std::uint32_t>(i << OuterFace::kFaceBits | face)};
         if (!wait(stored)) return EncodeError{shared_.store().problem()};
       }
@@ -202,7 +203,7 @@ class FaceSearch {
     // Neighbouring faces often have similar numbers of corners, and then share a bucket. So a run uses few buckets.
     constexpr int kNear = 8;
     const auto least = static_cast<std::uint32_t>(face.corners[face.corners[0] == kFaceEnd ? 1 : 0]);
-    const std::uint64_t place = std::uint64_t{face.part} << 32 | least;
+    const std::uint64_t place = std::uint64_t{face.space} << 32 | least;
     const auto bucket = static_cast<std::size_t>((qnv::mixed_key(place >> kNear) >> 16) % buckets_);
     waiting_[bucket].push_back(face);
     return waiting_[bucket].size() < most_waiting_ || flush(bucket);

@@ -137,6 +137,13 @@ TEST_CASE("keeps the number of Gaussians during fades, and reduces the resolutio
   for (int i = 0; i < 5; ++i) detail.note(level, false, 0.2, 1'000'000);
   CHECK(detail.level(true) == level);
   CHECK(detail.most_gaussians(level) == most);
+  // Without fewer Gaussians, the first pictures of a coarser level may be as slow as those before.
+  PictureDetail stays;
+  for (int i = 0; i < 3; ++i) stays.note(0, false, 0.15, 2'000'000);
+  REQUIRE(stays.level(true) == 1);
+  for (int i = 0; i < 4; ++i) stays.note(1, false, 0.15, 300'000);
+  CHECK(stays.level(true) == 1);
+  CHECK(stays.most_gaussians(1) < 200'000);
   PictureDetail slow;
   const GaussianScene scene{0.02, 500e-9, 1'000'000, false};
   for (int i = 0; i < 100; ++i) scene.draw(slow);

@@ -58,11 +58,17 @@ bool each_list(Top& top, const Each& each) {
 std::optional<StoredTree> store_tree(const MergeTree& tree, const PartTop& top, std::string_view work,
                                      std::size_t splats, SharedStore& store) {
   const auto merged = tree.nodes().subspan(tree.given());
+  const auto nodes = std::as_bytes(merged);
+  std::vector<std::byte> bytes(nodes.begin(), nodes.end());
+  for (const MergedNode& leaf : tree.nodes().first(tree.given())) {
+    const auto number = std::as_bytes(std::span(&leaf.blob.visibility, 1));
+    bytes.insert(bytes.end(), number.begin(), number.end());
+  }
   std::vector<std::byte> result;
   append_list(result, std::vector<std::uint64_t>{splats, merged.size()});
   append_list(result, tree.roots());
   append_top(result, top);
-  const auto offset = store.finish(work, std::as_bytes(merged), result);
+  const auto offset = store.finish(work, bytes, result);
   return offset ? std::optional(StoredTree{*offset, merged.size(), tree.roots()}) : std::nullopt;
 }
 
@@ -88,7 +94,10 @@ bool restore_tree(std::string_view work, std::size_t splats, const SharedStore& 
 
 std::optional<MergeTree> read_tree(const StoredTree& stored, const Gaussians& source, float detail,
                                    const SharedStore& store) {
-  std::vector<MergedNode> nodes = leaves_of(source, source.description.box, detail).nodes;
+  std::vector<float> visibility(source.size());
+  const std::uint64_t after = stored.offset + stored.merged * sizeof(MergedNode);
+  if (!store.read(after, std::as_writable_bytes(std::span(visibility)))) return std::nullopt;
+  std::vector<MergedNode> nodes = leaves_of(source, source.description.box, detail, visibility).nodes;
   const std::size_t leaves = nodes.size();
   nodes.resize(leaves + stored.merged);
   if (!store.read(stored.offset, std::as_writable_bytes(std::span(nodes).subspan(leaves)))) return std::nullopt;

@@ -15,10 +15,10 @@
 
 namespace gs::qnv::gaussians {
 
-/// Trees of one part of a scene in a store, which omits their leaves.
+/// Trees of one part of a scene in a store. Of leaves, the store has the visibility only.
 struct StoredTree {
-  std::uint64_t offset = 0;
-  std::size_t merged = 0;  // number of stored nodes
+  std::uint64_t offset = 0;  // of the merged nodes; the visibility of the leaves follows them
+  std::size_t merged = 0;    // number of merged nodes
   std::vector<std::uint32_t> roots;
 };
 /// Reads trees. `source` must have the splats of the part. Returns nullopt if the store cannot be read.

@@ -3,6 +3,7 @@
 #include "qnv/codecs/gaussians/encode/part_tree.h"
 #include "qnv/codecs/gaussians/encode/splat_parts.h"
 #include "qnv/codecs/gaussians/encode/stream_plan.h"
+#include "qnv/codecs/gaussians/encode/visibility.h"
 #include "qnv/codecs/shared/shared_records.h"
 
 #include <algorithm>
@@ -25,7 +26,7 @@ constexpr std::size_t kRoots = 256, kTop = 1024;
 // Memory for parts that are encoded at the same time, unless the options set it.
 constexpr std::size_t kUsualMemory = std::size_t{400} << 20;
 // Peak bytes of memory per splat of a part without harmonics, and per coefficient of harmonics.
-constexpr std::size_t kSplatBytes = 600, kHarmonicBytes = 16;
+constexpr std::size_t kSplatBytes = 620, kHarmonicBytes = 16;
 
 /// Part of the scene with the results of each stage.
 struct Part {
@@ -247,7 +248,10 @@ class PartedEncoder {
     }
     const auto splats = read_part(part.splats, source_.degree, store_);
     if (!splats) return fail_to_store();
-    Forest leaves = leaves_of(*splats, splats->description.box, plan_.detail);
+    // Other parts may hide splats, but not most of those that their own part shows.
+    const std::vector<float> visibility = visibility_of(*splats, 1, progress_);
+    if (visibility.empty()) return false;
+    Forest leaves = leaves_of(*splats, splats->description.box, plan_.detail, visibility);
     const auto tree = MergeTree::join(std::move(leaves), plan_.detail, kRoots, 1, progress_);
     if (!tree) return false;
     part.top = top_of(*tree, *splats, kTop);
