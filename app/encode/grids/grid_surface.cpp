@@ -96,42 +96,15 @@ class RunTriangles {
                const std::optional<ColorKey>& key, bool shows, const glm::dvec3& origin)
       : part_(part), run_(run), cells_(cells), key_(key), shows_(shows), origin_(origin) {}
 
-  /// Adds a polygon as a fan. Skips polygons with missing or non-finite corners. Returns false if the file is damaged.
-  bool add(std::span<const std::int32_t> corners, std::size_t cell) {
-    if (corners.size() < 3) return true;
-    places_.clear();
-    colors_.clear();
-    const bool by_cell = part_.has_values() && !part_.of_points();
-    qnv::Rgb8 color = shows_ ? kWithoutValues : kPlain;
-    if (by_cell && !color_of(run_.first + cell, color)) return false;
-    for (const std::int32_t corner : corners) {
-      if (corner == kBadIndex) return true;
-      std::array<double, 3> place{};
-      if (!part_.positions(static_cast<std::uint64_t>(corner), place)) return false;
-      const glm::dvec3 at(place[0], place[1], place[2]);
-      places_.push_back(glm::vec3(at - origin_));
-      if (!finite(places_.back())) return true;
-      if (!by_cell && part_.has_values() && !color_of(static_cast<std::uint64_t>(corner), color)) return false;
-      colors_.push_back(color);
-    }
-    for (std::size_t k = 2; k < corners.size(); ++k) {
-      StoredTriangle& made = triangles.emplace_back();
-      const std::array<std::size_t, 3> from{0, k - 1, k};
-      for (std::size_t i = 0; i < 3; ++i) {
-        const glm::vec3& p = places_[from[i]];
-        const qnv::Rgb8& c = colors_[from[i]];
-        std::copy_n(&p.x, 3, made.places.begin() + static_cast<std::ptrdiff_t>(3 * i));
-        made.colors[3 * i] = c.r;
-        made.colors[3 * i + 1] = c.g;
-        made.colors[3 * i + 2] = c.b;
-        box.add(p);
-      }
-    }
-    return true;
+  /// Adds a polygon.
+  void add(std::span<const std::int32_t> corners, std::size_t cell) {
+    if (corners.size() < 3) return;
+    corners_.insert(corners_.end(), corners.begin(), corners.end());
+    polygons_.push_back({corners_.size(), cell});
   }
 
   /// Adds the polygons and strips. Counts the cells that the surface cannot show.
-  bool add_flat() {
+  void add_flat() {
     for (std::size_t i = 0; i < cells_.types.size(); ++i) {
       const GridShape shape = grid_shape(cells_.types[i]);
       auto corners = cells_.cell(i);
@@ -144,17 +117,25 @@ class RunTriangles {
         ++omitted.lines;
       if (corners.size() < shape.corners) continue;
       if (!shape.any_number) corners = corners.first(shape.corners);
-      bool good = true;
       if (shape.as == GridShape::As::polygon) {
-        good = add(corners, i);
+        add(corners, i);
       } else if (shape.as == GridShape::As::pixel) {
-        good = add(std::array{corners[0], corners[1], corners[3], corners[2]}, i);
+        add(std::array{corners[0], corners[1], corners[3], corners[2]}, i);
       } else if (shape.as == GridShape::As::strip) {
-        for (std::size_t k = 2; k < corners.size() && good; ++k)
-          good =
-              add(std::array{corners[k % 2 == 1 ? k - 1 : k - 2], corners[k % 2 == 1 ? k - 2 : k - 1], corners[k]}, i);
+        for (std::size_t k = 2; k < corners.size(); ++k)
+          add(std::array{corners[k % 2 == 1 ? k - 1 : k - 2], corners[k % 2 == 1 ? k - 2 : k - 1], corners[k]}, i);
       }
-      if (!good) return false;
+    }
+  }
+
+  /// Makes the triangles of all polygons, as fans. Skips polygons with missing or non-finite corners. Returns false if
+  /// the file is damaged.
+  bool make() {
+    if (!read_points()) return false;
+    std::size_t begin = 0;
+    for (const Polygon& polygon : polygons_) {
+      if (!make(std::span(corners_).subspan(begin, polygon.end - begin), polygon.cell)) return false;
+      begin = polygon.end;
     }
     return true;
   }
@@ -164,6 +145,63 @@ class RunTriangles {
   OmittedCells omitted;
 
  private:
+  struct Polygon {
+    std::size_t end = 0, cell = 0;  // end in `corners_`
+  };
+  /// Point of the polygons.
+  struct Point {
+    glm::vec3 place{0};
+    qnv::Rgb8 color;
+  };
+
+  [[nodiscard]] bool by_cell() const { return part_.has_values() && !part_.of_points(); }
+
+  /// Reads the points of all polygons in ascending order. So each block of a compressed array is unpacked once in a
+  /// run, even if cells use the points in any order.
+  bool read_points() {
+    numbers_ = corners_;
+    std::erase(numbers_, kBadIndex);
+    std::ranges::sort(numbers_);
+    numbers_.erase(std::unique(numbers_.begin(), numbers_.end()), numbers_.end());
+    points_.resize(numbers_.size());
+    for (std::size_t i = 0; i < numbers_.size(); ++i) {
+      std::array<double, 3> place{};
+      if (!part_.positions(static_cast<std::uint64_t>(numbers_[i]), place)) return false;
+      points_[i].place = glm::vec3(glm::dvec3(place[0], place[1], place[2]) - origin_);
+      points_[i].color = shows_ ? kWithoutValues : kPlain;
+    }
+    if (by_cell() || !part_.has_values()) return true;
+    for (std::size_t i = 0; i < numbers_.size(); ++i)
+      if (!color_of(static_cast<std::uint64_t>(numbers_[i]), points_[i].color)) return false;
+    return true;
+  }
+
+  bool make(std::span<const std::int32_t> corners, std::size_t cell) {
+    qnv::Rgb8 color = shows_ ? kWithoutValues : kPlain;
+    if (by_cell() && !color_of(run_.first + cell, color)) return false;
+    fan_.clear();
+    for (const std::int32_t corner : corners) {
+      if (corner == kBadIndex) return true;
+      const auto found = std::ranges::lower_bound(numbers_, corner);
+      fan_.push_back(points_[static_cast<std::size_t>(found - numbers_.begin())]);
+      if (!finite(fan_.back().place)) return true;
+      if (by_cell()) fan_.back().color = color;
+    }
+    for (std::size_t k = 2; k < fan_.size(); ++k) {
+      StoredTriangle& made = triangles.emplace_back();
+      const std::array<std::size_t, 3> from{0, k - 1, k};
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto& [p, c] = fan_[from[i]];
+        std::copy_n(&p.x, 3, made.places.begin() + static_cast<std::ptrdiff_t>(3 * i));
+        made.colors[3 * i] = c.r;
+        made.colors[3 * i + 1] = c.g;
+        made.colors[3 * i + 2] = c.b;
+        box.add(p);
+      }
+    }
+    return true;
+  }
+
   bool color_of(std::uint64_t row, qnv::Rgb8& color) {
     std::array<double, 3> value{};
     if (!part_.values(row, std::span(value).first(part_.width()))) return false;
@@ -183,8 +221,11 @@ class RunTriangles {
   const std::optional<ColorKey>& key_;
   bool shows_;  // the surface shows an array
   glm::dvec3 origin_;
-  std::vector<glm::vec3> places_;
-  std::vector<qnv::Rgb8> colors_;
+  std::vector<std::int32_t> corners_;  // of all polygons
+  std::vector<Polygon> polygons_;
+  std::vector<std::int32_t> numbers_;  // of the points, ascending
+  std::vector<Point> points_;          // one for each of `numbers_`
+  std::vector<Point> fan_;             // corners of one polygon
 };
 
 /// Maker of the surface of one grid.
@@ -332,16 +373,17 @@ class GridSurfaceMaker {
       if (auto* const problem = std::get_if<std::string>(&read)) return EncodeError{std::move(*problem)};
       const GridRun& cells = std::get<GridRun>(read);
       RunTriangles made(part, run, cells, key_, grid_.shows_values, origin_);
-      bool good = made.add_flat();
-      for (; next != outer.end() && next->run == number && good; ++next) {
+      made.add_flat();
+      for (; next != outer.end() && next->run == number; ++next) {
         if (next->cell() >= cells.types.size()) return EncodeError{grid_.source->message(run.part, kChangedGridFile)};
         const std::uint8_t type = cells.types[next->cell()];
         const GridShape shape = grid_shape(type);
         const auto cell = cells.cell(next->cell());
         if (next->face() >= shape.faces.size() || cell.size() < shape.corners)
           return EncodeError{grid_.source->message(run.part, kChangedGridFile)};
-        good = made.add(face_of(cell, type, next->face()).list(), next->cell());
+        made.add(face_of(cell, type, next->face()).list(), next->cell());
       }
+      const bool good = made.make();
       if (grid_.source->is_changed(run.part)) return EncodeError{grid_.source->message(run.part, kChangedGridFile)};
       if (!good) return EncodeError{grid_.source->message(run.part, "the arrays are damaged")};
       const FinishedRun finished{{shared_.store().size(), made.triangles.size()}, made.box, made.omitted};
