@@ -156,6 +156,7 @@ class ArrayGrid final : public GridSource {
   }
 
   [[nodiscard]] bool is_changed(std::size_t) const override { return on_disk_.is_changed(); }
+  [[nodiscard]] std::string state() const override { return on_disk_.state(); }
   [[nodiscard]] std::string message(std::size_t, const std::string& text) const override { return text; }
   [[nodiscard]] std::variant<GridPartArrays, std::string> open(std::size_t part) const override {
     if (on_disk_.is_changed()) return std::string(kChangedGridFile);

@@ -51,6 +51,10 @@ bool GridFile::is_changed() const {
          std::filesystem::last_write_time(path, error) != changed_at || error;
 }
 
+std::string GridFile::state() const {
+  return std::to_string(size) + " " + std::to_string(changed_at.time_since_epoch().count());
+}
+
 std::uint64_t LargeGrid::own_points(std::size_t part) const {
   return part > 0 && parts[part - 1].space == parts[part].space ? 0 : parts[part].points;
 }
