@@ -15,6 +15,7 @@ struct GaussianCoding {
   int steps = 0;             // log2 of a factor of all steps, in eighths; at most kMostSteps in magnitude
   int degree = 0;            // of the spherical harmonics, 0 to 3
   bool antialiased = false;  // as Gaussians::antialiased
+  bool trained = false;      // models start with a table, and steps are those of streams with it
 
   static constexpr int kMostSteps = 32, kMostScale = 639;
   friend bool operator==(const GaussianCoding&, const GaussianCoding&) = default;

@@ -10,12 +10,20 @@ namespace gs::qnv::gaussians {
 namespace {
 
 // Steps of the most important Gaussians: places in standard deviations, turns of lines twice as long as wide, colours.
-constexpr double kPlaceStep = 0.1, kTurnStep = 0.18, kColorStep = 1.0 / 128;
-// Factor of the steps of Gaussians that children replace.
-constexpr double kInnerFactor = 3;
-// Largest factors of the steps of less important Gaussians: of colours in eighths of an octave; of places and turns.
-constexpr int kMostColorFactor = 2 * kScaleSteps;
+constexpr double kPlaceStep = 0.1, kTurnStep = 0.18;
+// Largest factor of the steps of places and turns of less important Gaussians.
 constexpr double kMostPlaceFactor = 2;
+/// Steps that differ between the codings.
+struct CodingSteps {
+  double color;      // of the most important Gaussians
+  int most_less;     // log2 of the largest factor of the steps of colours of less important ones, in eighths
+  double inner;      // factor of the steps of Gaussians that children replace
+  double harmonics;  // step of harmonics, relative to that of the colour
+};
+constexpr CodingSteps kUntrainedSteps{1.0 / 128, 2 * kScaleSteps, 3, 2};
+constexpr CodingSteps kTrainedSteps{1.0 / 90, kScaleSteps, 4, 1.4};
+constexpr const CodingSteps& coding_steps(bool trained) { return trained ? kTrainedSteps : kUntrainedSteps; }
+
 // Thin axes count as having an eighth of the largest deviation.
 constexpr int kThinScales = 3 * kScaleSteps;
 constexpr double kLeastTurnStep = 0.01, kMostTurnStep = 0.35;
@@ -71,14 +79,17 @@ constexpr auto kFaint = [] {
 
 }  // namespace
 
-SplatErrors splat_errors(int steps) {
+SplatErrors splat_errors(int steps, bool trained) {
+  const CodingSteps& coding = coding_steps(trained);
   // The three components of a colour add up.
-  const double color = 1.5 * kColorStep * power_of(steps), place = kPlaceStep / 2 * power_of(steps);
+  const double color = 1.5 * coding.color * power_of(steps), place = kPlaceStep / 2 * power_of(steps);
   return {{place, place * kMostPlaceFactor},
-          {color, color * power_of(kMostColorFactor)},
+          {color, color * power_of(coding.most_less)},
           std::sqrt(power_of(1)) - 1,
           1.0 / kMostOpacity};  // of splats below half a step, which keep the least opacity
 }
+
+double harmonic_factor(bool trained) { return coding_steps(trained).harmonics; }
 
 double scale_of(int code) { return kScales[static_cast<std::size_t>(code)]; }
 
@@ -101,8 +112,9 @@ int importance(const std::array<int, 3>& scales, int opacity) {
 SplatSteps steps_of(const SplatCode& code, const Precision& precision) {
   SplatSteps steps{};
   const int less = (precision.important - importance(code.scales, code.opacity)) / 2;
-  const double factor = power_of(std::clamp(less, 0, kMostColorFactor));
-  const double inner = (code.leaf ? 1 : kInnerFactor) * power_of(precision.steps);
+  const CodingSteps& coding = coding_steps(precision.trained);
+  const double factor = power_of(std::clamp(less, 0, coding.most_less));
+  const double inner = (code.leaf ? 1 : coding.inner) * power_of(precision.steps);
   const double fine = inner * std::min(factor, kMostPlaceFactor);
   for (std::size_t k = 0; k < 3; ++k) {
     const int scale = std::max({code.scales[k], code.scales[0] - kThinScales, precision.finest});
@@ -113,7 +125,7 @@ SplatSteps steps_of(const SplatCode& code, const Precision& precision) {
     steps.turn[k] =
         std::clamp(kTurnStep * fine / kTurnDivisors[static_cast<std::size_t>(ratio)], kLeastTurnStep, kMostTurnStep);
   }
-  steps.color = kColorStep * inner * factor;
+  steps.color = coding.color * inner * factor;
   return steps;
 }
 

@@ -25,10 +25,11 @@ inline constexpr std::int32_t kMostPlace = 1 << 24, kMostColor = 1 << 14, kMostT
 
 /// Properties of a stream that decide the steps.
 struct Precision {
-  int important = 0;  // importance() of the Gaussians with the finest steps
-  int finest = 0;     // scale below which details count as points
-  int steps = 0;      // log2 of a factor of all steps, in eighths
-  Box box;            // of all positions
+  int important = 0;     // importance() of the Gaussians with the finest steps
+  int finest = 0;        // scale below which details count as points
+  int steps = 0;         // log2 of a factor of all steps, in eighths
+  Box box;               // of all positions
+  bool trained = false;  // as GaussianCoding::trained
 };
 
 /// Decoded Gaussian of a cluster.
@@ -78,7 +79,10 @@ struct SplatErrors {
   std::array<double, 2> place, color;
   double scale, opacity;
 };
-[[nodiscard]] SplatErrors splat_errors(int steps = 0);
+[[nodiscard]] SplatErrors splat_errors(int steps = 0, bool trained = true);
+
+/// Returns the step of harmonics, relative to that of the colour of the same Gaussian.
+[[nodiscard]] double harmonic_factor(bool trained);
 
 [[nodiscard]] double scale_of(int code);
 [[nodiscard]] double opacity_of(int code);

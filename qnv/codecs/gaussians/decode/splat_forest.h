@@ -31,7 +31,9 @@ class SplatForest {
  public:
   /// `most` limits the number of Gaussians that geometry() returns, and the memory with it.
   SplatForest(const GaussianCoding& coding, const Box& box, std::size_t most)
-      : precision_{coding.important, coding.finest, coding.steps, box}, degree_(coding.degree), most_(most) {}
+      : precision_{coding.important, coding.finest, coding.steps, box, coding.trained},
+        degree_(coding.degree),
+        most_(most) {}
 
   void add_cluster(std::span<const std::byte> payload);
   /// Adds harmonics of leaves, or those of other Gaussians if `coarse` is true.

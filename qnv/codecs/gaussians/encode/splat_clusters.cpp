@@ -227,7 +227,7 @@ bool encode_clusters(ClusterWork& work, std::vector<OpenRange> ranges,
     OpenCluster root;
     root.nodes = {root_node(work.precision.box)};
     root.places = {work.tree.root()};
-    root.models = std::make_shared<SplatModels>();
+    root.models = std::make_shared<SplatModels>(work.precision.trained);
     encoder.divide(root, 0, 1, true, add);
   }
   for (OpenRange& range : ranges) {
