@@ -170,7 +170,7 @@ void put_values(JsonValue& facts, const qnv::StreamHeader& header, const qnv::Ge
 // Adds the properties of a stream of Gaussians, and the errors at its end.
 void put_gaussians(JsonValue& facts, const qnv::StreamHeader& header) {
   const qnv::gaussians::SplatErrors errors =
-      qnv::gaussians::splat_errors(header.gaussians.steps, header.gaussians.trained);
+      qnv::gaussians::splat_errors(header.gaussians.steps, header.gaussians.trained, header.gaussians.fine);
   facts.put("harmonics", header.gaussians.degree);
   facts.put("antialiased", header.gaussians.antialiased);
   facts.put("trained_models", header.gaussians.trained);

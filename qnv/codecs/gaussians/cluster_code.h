@@ -88,6 +88,10 @@ SplatShape code_splat(Coder& coder, SplatModels& models, const SplatNode& parent
   code_scale(coder, models, parent, sibling, code);
   code_gaps(coder, models, parent, sibling, code);
   code_opacity(coder, models, parent, sibling, code);
+  if (code.leaf && precision.fine > 0)
+    for (int& part : code.fine) part = static_cast<int>(coder.bits(static_cast<std::uint32_t>(part), precision.fine));
+  else
+    code.fine = {};
 
   const SplatSteps steps = steps_of(code, precision);
   for (std::size_t k = 0; k < 3; ++k) {

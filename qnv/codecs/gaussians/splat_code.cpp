@@ -56,6 +56,15 @@ constexpr std::array<double, count> powers_from(int first) {
 }
 constexpr auto kScales = powers_from<kMostScale + 1>(kLeastOctave * kScaleSteps);
 
+/// Returns the middle of a part of a step. A step reaches from -0.5 to 0.5, and has 2^bits parts.
+double offset_of(int part, int bits) { return (part + 0.5) / (1 << bits) - 0.5; }
+
+/// Returns the part of a step that contains an offset.
+int part_of(double offset, int bits) {
+  const int parts = 1 << bits;
+  return static_cast<int>(std::clamp(std::floor((offset + 0.5) * parts), 0.0, static_cast<double>(parts - 1)));
+}
+
 /// Divisors of the steps of turns, by the ratio of the scales in the plane of the turn, in eighths of an octave.
 constexpr int kMostRatio = 40;
 constexpr auto kTurnDivisors = [] {
@@ -79,14 +88,14 @@ constexpr auto kFaint = [] {
 
 }  // namespace
 
-SplatErrors splat_errors(int steps, bool trained) {
+SplatErrors splat_errors(int steps, bool trained, int fine) {
   const CodingSteps& coding = coding_steps(trained);
   // The three components of a colour add up.
   const double color = 1.5 * coding.color * power_of(steps), place = kPlaceStep / 2 * power_of(steps);
   return {{place, place * kMostPlaceFactor},
           {color, color * power_of(coding.most_less)},
-          std::sqrt(power_of(1)) - 1,
-          1.0 / kMostOpacity};  // of splats below half a step, which keep the least opacity
+          std::exp2(0.5 / (kScaleSteps << fine)) - 1,
+          1.0 / (kMostOpacity << fine)};  // of splats below half a step, which keep the least opacity
 }
 
 double harmonic_factor(bool trained) { return coding_steps(trained).harmonics; }
@@ -98,6 +107,24 @@ int scale_code(double scale) {
   const double steps = (std::log2(scale) - kLeastOctave) * kScaleSteps;
   return static_cast<int>(std::clamp(std::nearbyint(steps), 0.0, static_cast<double>(kMostScale)));
 }
+
+int fine_bits(int steps) { return std::clamp((kScaleSteps / 2 - steps) / kScaleSteps, 0, GaussianCoding::kMostFine); }
+
+double scale_of(const SplatNode& node, std::size_t axis, int bits) {
+  const double scale = scale_of(node.scales[axis]);
+  return node.leaf && bits > 0 ? scale * std::exp2(offset_of(node.fine[axis], bits) / kScaleSteps) : scale;
+}
+
+double opacity_of(const SplatNode& node, int bits) {
+  const double code = node.opacity + (node.leaf && bits > 0 ? offset_of(node.fine[3], bits) : 0);
+  return std::min(code / kMostOpacity, 1.0);
+}
+
+int fine_scale(double scale, int code, int bits) {
+  return scale > 0 ? part_of((std::log2(scale) - kLeastOctave) * kScaleSteps - code, bits) : 0;
+}
+
+int fine_opacity(double opacity, int code, int bits) { return part_of(opacity * kMostOpacity - code, bits); }
 
 double opacity_of(int code) { return static_cast<double>(code) / kMostOpacity; }
 
@@ -196,6 +223,7 @@ SplatNode node_of(const SplatNode& parent, const SplatCode& code, const SplatSha
   for (std::size_t k = 0; k < 3; ++k) node.scales[k] = static_cast<std::int16_t>(code.scales[k]);
   node.opacity = static_cast<std::uint8_t>(code.opacity);
   node.leaf = code.leaf;
+  for (std::size_t k = 0; k < 4; ++k) node.fine[k] = static_cast<std::uint8_t>(code.fine[k]);
   const glm::dvec3 change = rgb_of(code.color, shape.steps.color);
   for (int i = 0; i < 3; ++i) node.color[i] = static_cast<float>(parent.color[i] + change[i]);
   return node;

@@ -223,6 +223,8 @@ def child(coder, models, p, b, header):
     else:
         v = ((b or p)["a"] >> c) + models.signed_by_mean(coder, 8, "opacity", one, h)
     a = clamp(v << c | c, 1, 63)
+    for _ in range(4 if leaf else 0):
+        coder.bits(header["fine"])  # the output has only codes
     place_step, turn_step, color_step = steps_of(s, a, leaf, header)
     t = [clamp(models.signed(coder, 10, halves(0.25 / turn_step[k]), "turn", one, k), -255, 255) for k in range(3)]
     rotation = turned(p["rotation"], t, turn_step)
@@ -279,8 +281,9 @@ def main():
     while at + 6 <= size:
         tag, length = struct.unpack_from("<HI", data, at)
         if tag == 10:
-            header["important"], header["finest"], degree, _, header["steps"] = struct.unpack_from("<hhBBb", data, at + 6)
+            header["important"], header["finest"], degree, flags, header["steps"] = struct.unpack_from("<hhBBb", data, at + 6)
             header["degree"], header["trained"] = degree & 15, degree >> 4
+            header["fine"] = flags >> 4 if header["trained"] else 0
         at += 6 + length
     header["color"], header["less"], header["inner"], header["harmonic"] = \
         (1.0 / 90, 8, 4, 1.4) if header["trained"] else (1.0 / 128, 16, 3, 2)

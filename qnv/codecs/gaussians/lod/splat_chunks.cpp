@@ -35,7 +35,7 @@ class PatchedSource final : public ChunkSource {
 
 SplatChunks::SplatChunks(StreamHeader header) : header_(std::move(header)) {
   const GaussianCoding& coding = header_.gaussians;
-  precision_ = {coding.important, coding.finest, coding.steps, header_.description.box, coding.trained};
+  precision_ = {coding.important, coding.finest, coding.steps, header_.description.box, coding.trained, coding.fine};
 }
 
 SplatChunks::Opened SplatChunks::make(std::variant<StreamHeader, StreamProblem> read) {
