@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # mutate_streams.sh [--seed N] [--jobs N] [--nobuild] COUNT: makes COUNT mutations of the streams in tests/qnv/vectors
 # and tests/fuzz/corpus/qnv. Passes them to all code that reads QNV, with AddressSanitizer and
-# UndefinedBehaviorSanitizer, in N processes at once (1). tests/fuzz/stream_mutations.cpp describes the mutations.
+# UndefinedBehaviorSanitizer, in N processes at once (1). tests/fuzz/mutations/stream_mutator.h describes the mutations.
 #
 # An input is a finding if it ends the program, or takes ten processor seconds or 2 GB. It is kept with its messages as
 # build/release/mutations/findings/N.qnv, and the run continues. The script fails if there are findings. After a fix,

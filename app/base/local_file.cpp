@@ -12,9 +12,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Returns the path of an existing file that equals `path` except for upper and lower case. Returns an empty string if
-// there is none.
-std::string find_ignoring_case(const fs::path& path) {
+}  // namespace
+
+std::string existing_path(const std::string& wanted_path) {
+  const fs::path path(wanted_path);
   std::error_code error;
   fs::path found = path.is_absolute() ? path.root_path() : fs::path(".");
   for (const fs::path& part : path.relative_path()) {
@@ -30,8 +31,6 @@ std::string find_ignoring_case(const fs::path& path) {
   }
   return found.string();
 }
-
-}  // namespace
 
 LocalFile open_local_file(const net::Url& url, const net::ReferencePolicy& policy, const net::Origin& from,
                           const std::string& given, const net::CheckFirstBytes& check) {
@@ -53,7 +52,7 @@ LocalFile open_local_file(const net::Url& url, const net::ReferencePolicy& polic
     return false;
   };
   if (result.path.empty() || open(result.path) || !given.empty()) return result;
-  std::string other = find_ignoring_case(result.path);
+  std::string other = existing_path(result.path);
   if (!other.empty() && open(other)) result.path = std::move(other);
   return result;
 }

@@ -27,6 +27,10 @@ struct LocalFile {
                                         const net::Origin& from, const std::string& given = {},
                                         const net::CheckFirstBytes& check = {});
 
+/// Returns the path of an existing file that equals `path`, or else equals it except for upper and lower case. Returns
+/// an empty text if there is none. Asks no policy.
+[[nodiscard]] std::string existing_path(const std::string& path);
+
 /// Returns the policy for a world in the file `path`. The world may refer to files in its own folder and its
 /// subfolders, and to files that the user `allowed`.
 [[nodiscard]] net::ReferencePolicy policy_of_world(const std::string& path, const std::vector<std::string>& allowed);

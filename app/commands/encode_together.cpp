@@ -8,6 +8,7 @@
 #include "app/encode/part_store.h"
 #include "net/files/file.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -102,7 +103,8 @@ std::optional<std::string> TogetherEncoding::exceeds_memory() const {
   const auto* const volume = std::get_if<qnv::VolumeSource>(&opened_->input.content);
   if (!volume) return std::nullopt;  // encoders of surfaces and splats respect the limit
   const auto& dimensions = volume->layout.dimensions;
-  const std::uint64_t slices = volume->layout.labels ? 4 : 64, needed = slices * 4 * dimensions[0] * dimensions[1];
+  const std::uint64_t slices = std::min<std::uint64_t>(volume->layout.labels ? 4 : 64, dimensions[2]),
+                      needed = slices * 4 * dimensions[0] * dimensions[1];
   if (needed <= options_.limits.memory) return std::nullopt;
   return options_.files.front() + ": slices of " + std::to_string(dimensions[0]) + " x " +
          std::to_string(dimensions[1]) + " voxels need " + std::to_string(needed >> 20) +

@@ -10,6 +10,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 
 namespace gs::app {
 
@@ -20,11 +21,12 @@ namespace gs::app {
 struct MeshStream {
   static constexpr std::uint64_t kRunFaces = std::uint64_t{1} << 16;
 
-  std::uint64_t faces = 0;  // number of faces that the file contains
-  glm::vec3 size{0};        // size of the bounding box; 0 if unknown before all triangles are read
-  glm::dvec3 origin{0};     // origin of the triangle coordinates, in world units
+  std::uint64_t faces = 0;              // number of faces that the file contains
+  glm::vec3 size{0};                    // size of the bounding box; 0 if unknown before all triangles are read
+  glm::dvec3 origin{0};                 // origin of the triangle coordinates, in world units
   std::optional<ColorKey> color_key{};  // values that the colours represent
   qnv::TriangleSource source{};
+  std::string omitted{};  // warning that names omitted cells of a grid; empty if there are none
 };
 
 /// Callback that may release the first bytes of the file from memory. The argument is the number of these bytes.

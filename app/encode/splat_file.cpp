@@ -7,8 +7,11 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -125,21 +128,31 @@ void add_survey(SplatSurvey& all, TransferReader& from) {
 
 std::optional<SplatSurvey> survey_splats(std::string_view path, std::span<const std::byte> bytes, std::size_t more_than,
                                          const PutAside& put_aside, qnv::Ranks& ranks) {
-  const auto file = runs_of(path, bytes, more_than, put_aside);
-  const auto own = file ? own_survey(*file, qnv::share_of(ranks, file->runs())) : std::nullopt;
-  if (ranks.count() == 1) return own;
-  const std::vector<std::byte> text = own ? bytes_of(*own) : std::vector<std::byte>();
+  const auto read = [&]() -> std::optional<SplatSurvey> {
+    const auto file = runs_of(path, bytes, more_than, put_aside);
+    return file ? own_survey(*file, qnv::share_of(ranks, file->runs())) : std::nullopt;
+  };
+  if (ranks.count() == 1) return read();
+  // A rank that fails still takes part in the collective functions, so that the others do not wait for it.
+  std::vector<std::byte> text;
+  try {
+    if (const auto own = read()) text = bytes_of(*own);
+  } catch (...) {
+    text.clear();  // memory is missing, for example
+  }
   const std::uint64_t size = text.size();
   const auto sizes = qnv::gather_records<std::uint64_t>(ranks, std::span(&size, 1));
   const std::vector<std::byte> all = ranks.gather(text);
   if (std::ranges::find(sizes, std::uint64_t{0}) != sizes.end()) return std::nullopt;
+  std::optional<SplatSurvey> survey(std::in_place);
   try {
-    SplatSurvey survey;
-    for (TransferReader from(all); !from.empty();) add_survey(survey, from);
-    return survey;
-  } catch (const Impossible&) {
-    return std::nullopt;
+    for (TransferReader from(all); !from.empty();) add_survey(*survey, from);
+  } catch (...) {
+    survey = std::nullopt;
   }
+  const std::byte failed{survey ? std::uint8_t{0} : std::uint8_t{1}};
+  if (std::ranges::count(ranks.gather(std::span(&failed, 1)), std::byte{1}) > 0) return std::nullopt;
+  return survey;
 }
 
 std::optional<SplatFile> open_splat_file(std::string_view path, std::span<const std::byte> bytes, std::size_t more_than,

@@ -1,13 +1,14 @@
 #pragma once
 
-#include "app/insitu/arrays/grid_parts.h"
 #include "app/insitu/arrays/kept_field.h"
-#include "app/insitu/arrays/particle_parts.h"
+#include "app/insitu/arrays/passed_step.h"
 #include "app/insitu/arrays/ranks.h"
 #include "app/insitu/arrays/step_plan.h"
-#include "app/insitu/arrays/surface_parts.h"
 #include "app/insitu/parameters.h"
 #include "app/insitu/publisher.h"
+#include "app/insitu/session_costs.h"
+#include "app/insitu/session_options.h"
+#include "app/insitu/step_encoder.h"
 #include "app/insitu/step_pace.h"
 #include "app/insitu/step_streams.h"
 #include "base/noncopyable.h"
@@ -15,35 +16,14 @@
 #include <array>
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <deque>
-#include <functional>
 #include <memory>
-#include <mutex>
-#include <optional>
 #include <string>
-#include <thread>
 #include <variant>
 #include <vector>
 
 namespace gs::app::insitu {
-
-/// Options of a session, as C++ values.
-struct SessionOptions {
-  std::string title = "simulation", folder, bind = "127.0.0.1", token_file, live_file, field;
-  bool serve = false, background = false, thin = false;
-  std::uint16_t port = 0;
-  double error = 0, relative_error = 0.001, max_share = 0;
-  bool usual_share = false;  // true if the library chooses the share (GS_INSITU_USUAL_SHARE)
-  std::int64_t every = 1;
-  std::uint64_t max_memory = std::uint64_t{256} << 20;
-  unsigned threads = 1;
-  std::function<void(const std::string& message)> log;
-  std::function<void(const char* part)> fault;  // for tests: Ranks::set_fault()
-};
-/// Reads the options of a caller. Returns the problem if they are invalid.
-[[nodiscard]] std::variant<SessionOptions, std::string> session_options(const gs_insitu_options& options);
 
 /// Range and error of the values that a rank keeps.
 struct KeptFacts {
@@ -96,22 +76,17 @@ class InSituSession : NonCopyable {
   /// Returns the processor time of the calling thread, plus the time in which the library blocked it. Excludes the time
   /// in which other programs use the processor.
   [[nodiscard]] double spent() const;
-  [[nodiscard]] double own() const;
-  [[nodiscard]] RankFacts own_facts() const;
   [[nodiscard]] StepPlan make_plan(std::span<const RankFacts> all);
   void decide(std::int64_t step, std::int64_t number, StepDecision& decision);
+  void choose_chunks(StepDecision& decision);
+  template <class Arrays>
+  int pass(const Arrays& arrays);
   [[nodiscard]] bool gather_step(const StepPlan& plan, StepData& data);
   [[nodiscard]] bool keep_step(const StepPlan& plan, StepData& data);
   void serve_kept(const StepPlan& plan, const std::shared_ptr<KeptField>& field, StepData& data);
   [[nodiscard]] bool send_chunks(std::span<const WantedChunk> wanted);
   [[nodiscard]] bool share_permits() const;
-  /// Charges the processor time of the calling thread, which must be the server's thread.
-  void charge_server(double overview, std::size_t bytes);
   void choose_fields(std::span<const RankFacts> all);
-  double encode_and_publish(const StepData& data, Clock::time_point ended);
-  void start_background(StepData data, Clock::time_point ended);
-  void wait_for_background();
-  void clear_step();
   void log_messages();
 
   const SessionOptions options_;
@@ -133,30 +108,14 @@ class InSituSession : NonCopyable {
   bool open_step_ = false;
   std::int64_t step_ = 0;
   double time_ = 0;
-  std::vector<BlockView> blocks_;
-  std::vector<CellsView> cells_;
-  std::vector<ParticlesView> particles_;
+  PassedStep passed_;
   std::uint64_t taken_ = 0, peak_bytes_ = 0;
   double slowest_own_ = 0;  // own time of the slowest rank, as far as rank 0 knows
   double step_cost_ = 0;    // time that the library spent in calls for the open step
   double waited_ = 0;       // time in which the output blocked the calling thread
 
-  /// State shared with the background thread.
-  struct Shared {
-    mutable std::mutex mutex;
-    double own_seconds = 0, last_seconds = 0, cost = 0, max_error = 0;
-    double processor_seconds = 0;  // of all threads
-    double server_seconds = 0;     // processor time of the server's thread that is part of `own_seconds`
-    double overview_seconds = 0;   // processor time of the last chunk of an overview
-    double reserve = 0;            // cost of the next step; chunks below the overview leave this time unused
-    std::uint64_t cost_bytes = 0;
-    bool cost_is_new = false;
-    std::uint64_t stream_bytes = 0;
-    std::uint32_t thinning = 1;
-    std::vector<std::string> messages;
-    bool busy = false;
-  } shared_;
-  std::thread background_;
+  SessionCosts costs_;
+  StepEncoder encoder_{{options_.error, options_.relative_error, options_.threads, options_.title}, costs_};
   std::unique_ptr<Publisher> publisher_;  // rank 0; last member, because its thread uses the others
 };
 

@@ -1,26 +1,12 @@
 // Grids that ranks keep, and chunks of them that viewers request.
-#include "app/insitu/bricks/thread_time.h"
 #include "app/insitu/insitu_session.h"
 
 #include <algorithm>
 #include <utility>
 
 namespace gs::app::insitu {
-bool InSituSession::share_permits() const {
-  if (share_ <= 0) return true;
-  const std::lock_guard lock(shared_.mutex);
-  return shared_.own_seconds + shared_.reserve <= share_ * now();
-}
 
-void InSituSession::charge_server(double overview, std::size_t bytes) {
-  const double used = thread_seconds();
-  const std::lock_guard lock(shared_.mutex);
-  const double more = used - std::exchange(shared_.server_seconds, used);
-  shared_.own_seconds += more;
-  shared_.processor_seconds += more;
-  if (overview > 0) shared_.overview_seconds = overview;
-  shared_.stream_bytes += bytes;
-}
+bool InSituSession::share_permits() const { return costs_.permit(share_, now()); }
 
 StepPlan InSituSession::make_plan(std::span<const RankFacts> all) {
   const std::string chosen = parameters_.field();
@@ -33,7 +19,7 @@ StepPlan InSituSession::make_plan(std::span<const RankFacts> all) {
   constexpr double kErrorOfCodes = 1e-4;
   wishes.kept_bytes = options_.error > 0 || options_.relative_error < kErrorOfCodes ? sizeof(float) : 2;
   wishes.serial = serial_ + 1;
-  if (options_.thin) wishes.max_collected = pace_.affordable_bytes(steps_ - 1, now(), own());
+  if (options_.thin) wishes.max_collected = pace_.affordable_bytes(steps_ - 1, now(), costs_.own());
   wishes.max_memory = options_.max_memory;
   wishes.max_records = options_.max_memory;
   return plan_step(all, wishes);
@@ -51,7 +37,7 @@ bool InSituSession::keep_step(const StepPlan& plan, StepData& data) {
   const bool own_kept = ranks_.attempt("keep", [&] {
     // The server's thread may still read it.
     if (!field || field.use_count() > 1) field = std::make_shared<KeptField>();
-    field->keep(blocks_, plan, {options_.error, options_.relative_error}, kept_range_);
+    field->keep(passed_.blocks(), plan, {options_.error, options_.relative_error}, kept_range_);
     kept_range_ = field->range();
     chunks = field->pyramid().chunks(field->pyramid().overview());
     sources.assign(chunks.size(), field.get());

@@ -13,11 +13,13 @@ struct PictureQuality {
 };
 
 /// Choice of the quality of a viewport's pictures while they change, so that slow machines draw them fluently. Pictures
-/// at rest have full quality. Omits anti-aliasing and details of Gaussians first, then reduces the resolution in small
-/// steps, by more than a half only if input cancels pictures. All times are in seconds.
+/// at rest have full quality. Omits anti-aliasing and details of Gaussians first, then draws fewer Gaussians. Then
+/// reduces the resolution in small steps, by more than a half only if input cancels pictures. All times are in seconds.
 class PictureDetail {
  public:
-  static constexpr double kGoal = 1.0 / 15;  // max time of a picture that changes
+  static constexpr double kGoal = 1.0 / 15;  // max time of a frame with a picture that changes
+  /// Bounds and first value of the maximum number of Gaussians.
+  static constexpr std::size_t kFewestGaussians = 80'000, kMostGaussians = 2'500'000, kFirstGaussians = 300'000;
   static constexpr std::array<PictureQuality, 10> kQualities{{{false, 1},
                                                               {true, 1},
                                                               {true, 1.15f},
@@ -36,15 +38,21 @@ class PictureDetail {
   /// Returns the level of quality of the next picture: an index into kQualities. `changing` means that the next picture
   /// differs from the last one.
   [[nodiscard]] std::size_t level(bool changing) const { return changing ? level_ : 0; }
-  /// Records that a picture at `level` took `seconds`, or was cancelled because of user input.
-  void note(std::size_t level, bool given_up, double seconds);
+  /// Returns the maximum number of Gaussians of the next picture at a level; 0 means unlimited.
+  [[nodiscard]] std::size_t most_gaussians(std::size_t level) const { return level == 0 ? 0 : most_gaussians_; }
+  /// Records that the frame of a picture at `level` took `seconds`, or that user input cancelled it. The picture had
+  /// `gaussians` Gaussians.
+  void note(std::size_t level, bool given_up, double seconds, std::size_t gaussians = 0);
 
  private:
   void choose(std::size_t level);
-  void learn();
+  void learn(std::size_t gaussians);
+  [[nodiscard]] bool draw_fewer(std::size_t level, std::size_t gaussians);
 
   std::size_t level_ = 0;
-  int pictures_ = 0;        // pictures at the current level
+  std::size_t most_gaussians_ = kFirstGaussians;
+  int pictures_ = 0;        // pictures at the current level and with the current number of Gaussians
+  int excess_ = 0;          // last pictures with more Gaussians than the maximum
   double mean_ = 0;         // mean time of these pictures; recent pictures count more
   std::size_t former_ = 0;  // level before the last change; equal to level_ if the change is already measured
   double former_mean_ = 0;

@@ -15,10 +15,12 @@
 namespace gs::app {
 namespace {
 
-constexpr int kSettlingFrames = 3;     // number of frames until the interface has adapted to a change
-constexpr double kIdleWait = 30;       // seconds; max wait without events
-constexpr double kLongPicture = 0.3;   // seconds; longer drawing is a delay that users notice
-constexpr double kLoadingWait = 0.25;  // seconds between pictures of the moving progress line
+constexpr int kSettlingFrames = 3;                  // number of frames until the interface has adapted to a change
+constexpr double kIdleWait = 30;                    // seconds; max wait without events
+constexpr double kLongPicture = 0.3;                // seconds; longer drawing is a delay that users notice
+constexpr std::size_t kThumbnailVectors = 250'000;  // several per pixel; more would delay the window
+constexpr double kMaxPresenting = 0.01;             // seconds; longer presenting includes the wait for the display
+constexpr double kLoadingWait = 0.25;               // seconds between pictures of the moving progress line
 
 ViewerControllerOptions controller_options(const ViewerOptions& options, float scale) {
   ViewerControllerOptions result;
@@ -53,6 +55,7 @@ std::variant<std::vector<std::byte>, std::string> paint(render::Renderer& render
   draw.background = options.background;
   draw.splats = options.splats;
   draw.budget = options.budget > 0 ? options.budget : kWindowBudget;
+  draw.viewport = static_cast<std::uint32_t>(kMaxViewports);  // the levels of detail of the window stay
   draw.headlight = view.headlight;
   draw.unit = static_cast<float>(view.scale);
   draw.splat_style = view.look;
@@ -140,7 +143,7 @@ void Viewer::run() {
     controller_.apply(ui_.build(model_));
     if (tools_.go_on(session_.view(), teller())) frames_wanted_ = kSettlingFrames;
     ui_.draw();
-    window_->present();
+    present(now);
     measure(now, Window::now(), in_motion);
     if (frames_wanted_ > 0) --frames_wanted_;
     if (ui_.has_input_left()) frames_wanted_ = kSettlingFrames;
@@ -167,8 +170,10 @@ bool Viewer::ends() {
 void Viewer::keep_thumbnail(bool rests) {
   const View* const seen = session_.view();
   if (!seen || frame_.loading || !start_page_.wants(*seen, rests, Window::now())) return;
+  ViewerOptions options = options_;
+  options.budget = std::min(budget(), kThumbnailVectors);
   const auto made =
-      paint(*renderer_, options_, *seen, tools_.shown(kMaxViewports, *seen), {Thumbnails::kWidth, Thumbnails::kHeight});
+      paint(*renderer_, options, *seen, tools_.shown(kMaxViewports, *seen), {Thumbnails::kWidth, Thumbnails::kHeight});
   if (const auto* png = std::get_if<std::vector<std::byte>>(&made)) start_page_.keep(*seen, *png);
 }
 
@@ -203,6 +208,15 @@ void Viewer::tell(const Frame& frame) {
   if (frame.changed) frames_wanted_ = std::max(frames_wanted_, 1);
   if (controller_.tell(frame) || tools_.take_values()) frames_wanted_ = kSettlingFrames;
   show_title();
+}
+
+// Shows the frame that began at time `started`, and records its duration for the pictures in it.
+void Viewer::present(double started) {
+  const double drawn = Window::now();
+  window_->present();
+  const double seconds = drawn - started + std::min(Window::now() - drawn, kMaxPresenting);
+  for (const DrawnPicture& picture : std::exchange(drawn_, {}))
+    details_[picture.pane].note(picture.level, picture.given_up, seconds, picture.gaussians);
 }
 
 void Viewer::measure(double started, double now, bool in_motion) {

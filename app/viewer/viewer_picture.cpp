@@ -10,7 +10,10 @@ namespace {
 // Max vectors of streams that are decoded in a frame for all viewports. Takes about 20 ms of one core.
 constexpr std::size_t kMaxDecoded = 250'000;
 constexpr double kMaxUninterrupted = 0.4;  // seconds of drawing after which new events can cancel a picture
-constexpr double kMaxAhead = 0.25;         // maximum of the expected drawing time, in seconds
+// Each picture of a view at rest may decode twice as much as the one before, up to this power of two. So the first one
+// is soon visible, and few are necessary.
+constexpr unsigned kMostDoublings = 5;
+constexpr double kMaxAhead = 0.25;  // maximum of the expected drawing time, in seconds
 constexpr int kSettlingFramesAfterWait = 3;
 constexpr glm::vec3 kEmptyBackground(0.17f, 0.18f, 0.20f);
 
@@ -118,6 +121,10 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   const std::size_t level = detail.level(busy && !same);
   draw.coarseness = PictureDetail::kQualities[level].coarseness;
   draw.splat_error = PictureDetail::splat_error(level);
+  draw.most_gaussians = detail.most_gaussians(level);
+  unsigned& doublings = doublings_[picture.pane];
+  doublings = same && level == 0 ? std::min(doublings + 1, kMostDoublings) : 0;
+  draw.most_decoded <<= doublings;
   if (PictureDetail::kQualities[level].one_sample) draw.samples = 1;
   // Uses the fades of the time at which the picture will be visible.
   draw.time = begin + std::min(picture_seconds_, kMaxAhead);
@@ -142,7 +149,8 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   else
     pictures_.note(picture.pane, std::move(source), pane.statistics, end - begin);
   if (!given_up || frame_.loading) picture_seconds_ = end - begin;
-  if (!given_up || !(frame_.loading || interface_first_)) detail.note(level, given_up, end - begin);
+  if (!given_up || !(frame_.loading || interface_first_))
+    drawn_.push_back({picture.pane, level, given_up, pane.statistics.gaussians});
 }
 
 // Tools: measuring, values and slices, saving ------------------------------------------------------

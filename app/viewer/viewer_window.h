@@ -45,6 +45,7 @@ class Viewer final : public WindowOperations, NonCopyable {
   [[nodiscard]] bool ends();
   void wait_for_something();
   void wait_idle();
+  void present(double started);
   void measure(double started, double now, bool in_motion);
   void tell(const Frame& frame);
   void show_title();
@@ -80,6 +81,7 @@ class Viewer final : public WindowOperations, NonCopyable {
   StartPage start_page_;
   PictureLedger pictures_;
   std::array<PictureDetail, kMaxViewports> details_;
+  std::array<unsigned, kMaxViewports> doublings_{};  // of the decoding of a view at rest
   LoadingPace pace_;
   std::string title_;
   PictureMeasures measures_;
@@ -93,6 +95,13 @@ class Viewer final : public WindowOperations, NonCopyable {
   std::vector<UiActions> late_actions_;  // actions of the user in draw_waiting(), for the end of the step
   bool interface_first_ = false;         // draw the interface at once, without waiting for a new picture of the worlds
   double picture_seconds_ = 0;           // seconds; duration of the last picture
+  /// Picture of the current frame, for PictureDetail.
+  struct DrawnPicture {
+    std::size_t pane, level;
+    bool given_up;
+    std::size_t gaussians;
+  };
+  std::vector<DrawnPicture> drawn_;  // in the current frame
 };
 
 }  // namespace gs::app

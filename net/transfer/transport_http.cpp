@@ -2,7 +2,9 @@
 #include <array>
 #include <chrono>
 #include <cstring>
+#include <deque>
 #include <memory>
+#include <mutex>
 #include <string_view>
 #include <unordered_map>
 #include <utility>
@@ -35,9 +37,48 @@ constexpr Milliseconds kLongestHold{1000};
 /// With a rate limit: bytes that the system may buffer for a connection.
 constexpr std::uint64_t kMinAhead = 4 << 10, kMaxAhead = 1 << 20;
 
+/// Maximum number of handles with idle connections that wait for the next transport.
+constexpr std::size_t kMostIdleHandles = 4;
+
+using MultiHandle = std::unique_ptr<CURLM, FreeMulti>;
+
+/// Multi handles of transports that ended. They keep idle connections, so that the next transport need not connect
+/// again: each version of a followed world has a loader of its own. Each request on a connection checks its address.
+class IdleHandles {
+ public:
+  [[nodiscard]] MultiHandle take() {
+    const std::lock_guard lock(mutex_);
+    if (idle_.empty()) return nullptr;
+    MultiHandle newest = std::move(idle_.back());
+    idle_.pop_back();
+    return newest;
+  }
+  /// Keeps a handle without transfers. Drops the oldest one if there are too many.
+  void keep(MultiHandle handle) {
+    MultiHandle dropped;  // closes its connections without the lock
+    const std::lock_guard lock(mutex_);
+    idle_.push_back(std::move(handle));
+    if (idle_.size() <= kMostIdleHandles) return;
+    dropped = std::move(idle_.front());
+    idle_.pop_front();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::deque<MultiHandle> idle_;  // newest last
+};
+
+IdleHandles& idle_handles() {
+  // Never destroyed, because threads may end after static objects.
+  static IdleHandles& handles = *new IdleHandles;
+  return handles;
+}
+
 class CurlTransport final : public HttpTransport {
  public:
-  explicit CurlTransport(const LoaderOptions& options) : options_(options), rate_(options.bytes_per_second) {
+  explicit CurlTransport(const LoaderOptions& options)
+      : options_(options), multi_(idle_handles().take()), rate_(options.bytes_per_second) {
+    if (multi_) return;
     // curl counts the calls of this function. They are thread-safe since curl 7.84.
     curl().curl_global_init(CURL_GLOBAL_DEFAULT);
     multi_.reset(curl().curl_multi_init());
@@ -47,6 +88,7 @@ class CurlTransport final : public HttpTransport {
   }
   ~CurlTransport() override {
     for (auto& [id, transfer] : transfers_) curl().curl_multi_remove_handle(multi_.get(), transfer->easy.get());
+    if (multi_ && reusable_) idle_handles().keep(std::move(multi_));
   }
 
   void wait(Milliseconds time, std::span<const int> readable) override {
@@ -114,6 +156,7 @@ class CurlTransport final : public HttpTransport {
   static curl_socket_t open_socket_callback(void* user, curlsocktype, curl_sockaddr* address) {
     auto& transfer = *static_cast<Transfer*>(user);
     if (transfer.ssh) {
+      transfer.transport->reusable_ = false;
       transfer.ssh_listener = listen_for_self(address->addr, address->addrlen);
       return transfer.ssh_listener ? ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0) : CURL_SOCKET_BAD;
     }
@@ -124,6 +167,7 @@ class CurlTransport final : public HttpTransport {
     if (const std::uint64_t rate = transfer.transport->rate_.bytes_per_second(); rate > 0 && socket >= 0) {
       const int room = static_cast<int>(std::clamp<std::uint64_t>(rate / 2, kMinAhead, kMaxAhead));
       (void)::setsockopt(socket, SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
+      transfer.transport->reusable_ = false;
     }
     return socket;
   }
@@ -168,13 +212,14 @@ class CurlTransport final : public HttpTransport {
   }
 
   const LoaderOptions& options_;
-  std::unique_ptr<CURLM, FreeMulti> multi_;
+  MultiHandle multi_;
   std::unordered_map<TransferId, std::unique_ptr<Transfer>> transfers_;
   TransferSink* sink_ = nullptr;  // null outside of step()
   TimePoint now_{};
   std::chrono::steady_clock::time_point step_began_{};
   SharedRate rate_;
-  bool dirty_ = false;  // step() is needed although no socket is ready
+  bool dirty_ = false;    // step() is needed although no socket is ready
+  bool reusable_ = true;  // no connection has a small receive buffer or belongs to an ssh link
 };
 
 void CurlTransport::start(TransferId id, const TransferRequest& request, TimePoint now) {

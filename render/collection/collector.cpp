@@ -88,6 +88,7 @@ WideBox world_bounds(const Box& bounds, const dmat4& matrix) {
 RenderList Collector::collect(const vrml::SceneGraph& scene) {
   auto& open = open_nodes_[&scene];
   open.resize(scene.nodes().count() + 1);
+  list_.budget = budget_;
   list_.world_from_frame.emplace_back(1.0);
   if (sources_) {
     *sources_ = {};

@@ -4,6 +4,7 @@
 #include "render/draw/cube_pass.h"
 #include "render/draw/layer_parts.h"
 #include "render/draw/off_screen.h"
+#include "render/gaussians/gaussian_overlap.h"
 #include "render/gaussians/gaussian_pass.h"
 #include "render/gl/gpu.h"
 #include "render/mesh/background_pass.h"
@@ -260,11 +261,8 @@ FrameStatistics Renderer::draw_layer(const RenderList& list, const Camera& wante
     state_->splats->draw(list, camera, lens, options, statistics);
     const bool any_opaque = statistics.draw_calls > 0,
                behind = are_gaussians_behind_volumes(list, glm::dvec3(camera.world_from_camera[3]));
-    if (const auto range = overlap_of_gaussians_and_volumes(list, camera))
-      if (auto among = state_->gaussians->rasterizer(list, camera, lens, options, statistics)) {
-        const VolumePass::Overlap overlap{std::move(*among), *range};
-        return state_->volumes->draw(list, camera, lens, options, statistics, &overlap);
-      }
+    if (const auto overlap = state_->gaussians->overlap(list, camera, lens, options, statistics))
+      return state_->volumes->draw(list, camera, lens, options, statistics, &*overlap);
     if (behind) state_->gaussians->draw(list, camera, lens, options, statistics, any_opaque);
     state_->volumes->draw(list, camera, lens, options, statistics);
     if (!behind) state_->gaussians->draw(list, camera, lens, options, statistics, any_opaque);

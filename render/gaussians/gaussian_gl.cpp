@@ -26,8 +26,6 @@ constexpr std::size_t kSurveyedBlocks = 64, kSurveyedBlock = 32;
 // Maximum pixels to blend. The CPU draws larger images, because it stops at opaque pixels. The system resets a driver
 // that is busy for seconds.
 constexpr double kMaxBlendedPixels = 2e10;
-// Colours above 1 are possible. The layer has fractions, so it holds a quarter of the colours.
-constexpr float kLayerGain = 4;
 
 std::string gaussian_defines() {
   std::string text;
@@ -133,9 +131,8 @@ std::vector<glm::vec4> gaussian_item_texels(std::span<const GaussianItem> items,
   return texels;
 }
 
-GaussianGl::GaussianGl(const Gl& gl, VolumeTarget& target, SortMethod sort)
+GaussianGl::GaussianGl(const Gl& gl, SortMethod sort)
     : gl_(gl),
-      target_(target),
       store_(gl),
       order_(gl, sort, gaussian_keys_shader()),
       attributes_(make_vertex_array(gl)),
@@ -192,11 +189,13 @@ void GaussianGl::draw_range(std::size_t items, std::size_t total, const View& vi
   const glm::vec2 reach = kGaussianFarthestTangent * lens.tangents;
   const glm::vec4 limits(lens.center - reach, lens.center + reach);
   const glm::mat4& clip = view.projection.clip_from_camera;
-  const glm::vec4 depths(lens.near_plane, clip[2][2], clip[3][2], view.projection.reversed ? 0.0f : -1.0f);
+  const glm::vec4 depths(std::max(lens.near_plane, range.nearest), clip[2][2], clip[3][2],
+                         view.projection.reversed ? 0.0f : -1.0f);
   gl_.Uniform4fv(at("lens"), 1, glm::value_ptr(pixels_size));
   gl_.Uniform4fv(at("limits"), 1, glm::value_ptr(limits));
   gl_.Uniform2f(at("straight"), -lens.center.x * pixels.x, -lens.center.y * pixels.y);
   gl_.Uniform4fv(at("depth_range"), 1, glm::value_ptr(depths));
+  gl_.Uniform1f(at("farthest"), range.farthest);
   gl_.Uniform1f(at("gain"), range.gain);
   gl_.BindVertexArray(attributes_.name());
   gl_.DrawElementsInstancedBaseVertex(GL_TRIANGLES, static_cast<GLsizei>(6 * kQuads), GL_UNSIGNED_SHORT, nullptr,
@@ -204,7 +203,7 @@ void GaussianGl::draw_range(std::size_t items, std::size_t total, const View& vi
   gl_.BindVertexArray(0);
 }
 
-std::optional<GaussianGl::Drawn> GaussianGl::draw(std::span<const std::shared_ptr<const qnv::Gaussians>> held,
+std::optional<PreparedSplats> GaussianGl::prepare(std::span<const std::shared_ptr<const qnv::Gaussians>> held,
                                                   std::span<const GaussianItem> items, const View& view) {
   std::vector<std::shared_ptr<const qnv::Gaussians>> scenes;
   std::vector<GaussianItem> visible;
@@ -227,7 +226,7 @@ std::optional<GaussianGl::Drawn> GaussianGl::draw(std::span<const std::shared_pt
     parts.push_back(std::move(part));
     total += item.count;
   }
-  if (visible.empty()) return Drawn{};
+  if (visible.empty()) return PreparedSplats{};
   if (total > kMaxGaussians || !make_program_once()) return std::nullopt;
   const GaussianSurvey found = survey(visible, view.lens);
   if (found.pixels > kMaxBlendedPixels) return std::nullopt;
@@ -241,10 +240,10 @@ std::optional<GaussianGl::Drawn> GaussianGl::draw(std::span<const std::shared_pt
   gl_.BindTexture(GL_TEXTURE_BUFFER, order_texture_.name());
   gl_.TexBuffer(GL_TEXTURE_BUFFER, GL_R32UI, order->far_first.name());
   if (take_errors(gl_)) return std::nullopt;
-  target_.blend(
-      view.rectangle, view.projection, total,
-      [&](const SplatRange& range) { draw_range(visible.size(), total, view, range); }, kLayerGain);
-  return Drawn{static_cast<std::size_t>(found.splats + 0.5), order->pending};
+  return PreparedSplats{
+      {static_cast<std::size_t>(found.splats + 0.5), order->pending},
+      total,
+      [this, count = visible.size(), total, view](const SplatRange& range) { draw_range(count, total, view, range); }};
 }
 
 }  // namespace gs::render

@@ -19,6 +19,10 @@
 
 namespace gs::render {
 
+/// Factor of the colours of a layer with Gaussians. Colours above 1 are possible. The layer has fractions, so it holds
+/// a quarter of the colours.
+constexpr float kGaussianLayerGain = 4;
+
 /// Returns the shader of DepthGlSort for Gaussians.
 [[nodiscard]] std::string gaussian_keys_shader();
 /// Returns the texels that describe items to the shaders. places[i] is the location of the splats of items[i].
@@ -26,22 +30,20 @@ namespace gs::render {
                                                           std::span<const GaussianStore::Place> places);
 
 /// Draws Gaussians with OpenGL 3.3. The image equals that of rasterize_gaussians(), except for rounding. The vertex
-/// shader projects the splats and evaluates their harmonics. Blends the rectangles of all scenes with a VolumeTarget,
-/// in 16 bits per channel.
+/// shader projects the splats and evaluates their harmonics. A VolumeTarget blends the rectangles of all scenes, in 16
+/// bits per channel.
 ///
 /// Compute shaders sort for each position of the eye. The order of the thread may be that of an earlier position
 /// (DepthOrder). Runs on the thread of its context.
 class GaussianGl {
  public:
-  /// `target` must outlive the object.
-  GaussianGl(const Gl& gl, VolumeTarget& target, SortMethod sort = SortMethod::automatic);
+  explicit GaussianGl(const Gl& gl, SortMethod sort = SortMethod::automatic);
 
   using View = BlendedView;
-  using Drawn = BlendedSplats;
-  /// Draws `items`; held[i] owns the data of items[i]. Writes no depth. Leaves depth test and blending off and depth
-  /// writes on. Returns nullopt if memory or the program is missing, or if the splats cover too many pixels.
-  std::optional<Drawn> draw(std::span<const std::shared_ptr<const qnv::Gaussians>> held,
-                            std::span<const GaussianItem> items, const View& view);
+  /// Prepares the drawing of `items`; held[i] owns the data of items[i]. Returns nullopt if memory or the program is
+  /// missing, or if the splats cover too many pixels.
+  std::optional<PreparedSplats> prepare(std::span<const std::shared_ptr<const qnv::Gaussians>> held,
+                                        std::span<const GaussianItem> items, const View& view);
 
   /// Frees Gaussians that have no other owners. Call it once per frame.
   void forget_unused() { store_.forget_unused(); }
@@ -54,7 +56,6 @@ class GaussianGl {
   void draw_range(std::size_t items, std::size_t total, const View& view, const SplatRange& range);
 
   const Gl& gl_;
-  VolumeTarget& target_;
   GaussianStore store_;
   DepthOrder order_;
   bool tried_program_ = false;

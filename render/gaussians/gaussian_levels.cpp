@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <exception>
 #include <optional>
 #include <thread>
@@ -16,10 +17,23 @@ namespace {
 
 // Limits of the levels of one file: bytes of decoded clusters, bytes for cuts, and number of Gaussians.
 constexpr qnv::SplatLimits kLevelLimits{std::size_t{1} << 27, std::size_t{1} << 28, GaussianLevels::kMost};
-// Maximum number of Gaussians of a view that moves. Two cores draw about 8 M per second.
+// Maximum number of Gaussians of a view that moves without a budget. Two cores draw about 8 M per second.
 constexpr std::size_t kMostMoving = 400'000;
 // Maximum seconds from the end of a motion until all Gaussians replace the cut. Longer than the fades of the cut.
 constexpr double kSettling = 0.28;
+// Step in which a thread waits until the Gaussians are steady.
+constexpr std::chrono::milliseconds kSteadyStep{50};
+
+/// Approximate bytes of the stream for one Gaussian, and for one coefficient of harmonics.
+constexpr std::size_t kStreamBytes = 12, kHarmonicStreamBytes = 1;
+
+/// Returns the maximum bytes that the levels of Gaussians keep in memory.
+std::size_t bytes_of_levels(const qnv::Gaussians& gaussians) {
+  const std::size_t decoded = gaussians.size() * qnv::bytes_of_splat(gaussians.degree),
+                    stream = gaussians.size() *
+                             (kStreamBytes + kHarmonicStreamBytes * qnv::harmonic_count(gaussians.degree));
+  return stream + std::min(decoded, kLevelLimits.cache_bytes) + std::min(decoded, kLevelLimits.cut_bytes);
+}
 
 /// Encodes Gaussians and decodes the part that a view needs. Returns null if it is cancelled or impossible.
 std::unique_ptr<qnv::SplatStream> encoded_levels(const qnv::Gaussians& gaussians, const qnv::LodView& view,
@@ -42,6 +56,8 @@ std::unique_ptr<qnv::SplatStream> encoded_levels(const qnv::Gaussians& gaussians
 /// Work of a thread.
 struct GaussianLevels::Work {
   Progress progress;
+  Share share;                      // of the budget of the world
+  std::atomic<bool> moves = false;  // the view moves, so that the thread need not wait until the Gaussians are steady
   std::atomic<bool> done = false;
   std::unique_ptr<qnv::SplatStream> stream;  // valid if `done`; null if there are no levels
 };
@@ -68,20 +84,37 @@ void GaussianLevels::forget_unused() {
   });
 }
 
-void GaussianLevels::start(const std::shared_ptr<const qnv::Gaussians>& gaussians, const qnv::LodView& view,
+void GaussianLevels::start(const std::shared_ptr<const qnv::Gaussians>& gaussians, const GaussianMotion& motion,
                            Entry& entry) {
   auto work = std::make_shared<Work>();
+  work->share = Share(motion.budget, Resource::vectors);
+  work->moves = motion.coarseness > 1;
+  if (!work->share.grow(bytes_of_levels(*gaussians))) {
+    work->done = true;
+    entry.work = std::move(work);
+    return;
+  }
+  qnv::LodView view = motion.view;
+  view.error_pixels /= std::max(motion.coarseness, 1.0f);
+  view.budget = 0;
+  view.most_decoded = 0;
+  const std::chrono::milliseconds steady = changing_ ? steady_ : std::chrono::milliseconds(0);
   // The thread owns its data. No code waits for it, even at the end of the program.
   try {
-    std::thread([work, gaussians, view] {
+    std::thread([work, gaussians, view, steady] {
+      const auto end = std::chrono::steady_clock::now() + steady;
+      while (!work->moves && !is_cancelled(&work->progress) && std::chrono::steady_clock::now() < end)
+        std::this_thread::sleep_for(kSteadyStep);
       try {
-        work->stream = encoded_levels(*gaussians, view, work->progress);
+        if (!is_cancelled(&work->progress)) work->stream = encoded_levels(*gaussians, view, work->progress);
       } catch (const std::exception&) {
         work->stream = nullptr;  // memory does not suffice
       }
+      if (!work->stream) work->share = {};
       work->done = true;
     }).detach();
   } catch (const std::exception&) {
+    work->share = {};
     work->done = true;  // the system allows no more threads
   }
   entry.work = std::move(work);
@@ -95,12 +128,10 @@ const std::vector<qnv::SplatRun>* GaussianLevels::cut(const std::shared_ptr<cons
   qnv::LodView fine = motion.view, wanted = motion.view;
   fine.error_pixels /= std::max(motion.coarseness, 1.0f);
   fine.budget = 0;
-  wanted.budget = !moves ? 0 : wanted.budget == 0 ? kMostMoving : std::min(wanted.budget, kMostMoving);
-  if (!entry.work && (moves || (eager && !changing_)) && !working()) {
-    qnv::LodView all = fine;
-    all.most_decoded = 0;
-    start(gaussians, all, entry);
-  }
+  wanted.budget = !moves ? 0 : wanted.budget == 0 ? kMostMoving : wanted.budget;
+  if (!entry.work && (moves || eager) && !working()) start(gaussians, motion, entry);
+  if (entry.work && moves) entry.work->moves = true;
+  if (entry.work && entry.work->done && entry.work->stream) changing_ = false;
   if (!entry.work || !entry.work->done || !entry.work->stream) return nullptr;
   qnv::SplatStream& stream = *entry.work->stream;
   if (!entry.shown.contains(motion.view.viewport)) {

@@ -33,7 +33,7 @@ void sort_gaussians(std::vector<GaussianKey>& keys, std::vector<GaussianKey>& ot
     };
     const auto for_part = [&](std::size_t part, const auto& use) {
       const std::size_t last = count * (part + 1) / parts;
-      for (std::size_t i = count * part / parts; i < last; ++i) use(keys[i], places.data() + part * digits);
+      for (std::size_t i = count * part / parts; i < last; ++i) use(keys.data()[i], places.data() + part * digits);
     };
     std::ranges::fill(places, 0u);
     parallel_for(
@@ -44,11 +44,12 @@ void sort_gaussians(std::vector<GaussianKey>& keys, std::vector<GaussianKey>& ot
         threads);
     std::uint32_t next = 0;
     for (std::size_t digit = 0; digit < digits; ++digit)
-      for (std::size_t part = 0; part < parts; ++part) next += std::exchange(places[part * digits + digit], next);
+      for (std::size_t part = 0; part < parts; ++part)
+        next += std::exchange(places.data()[part * digits + digit], next);
     parallel_for(
         parts,
         [&](std::size_t part) {
-          for_part(part, [&](const GaussianKey& key, std::uint32_t* own) { other[own[digit_of(key)]++] = key; });
+          for_part(part, [&](const GaussianKey& key, std::uint32_t* own) { other.data()[own[digit_of(key)]++] = key; });
         },
         threads);
     keys.swap(other);

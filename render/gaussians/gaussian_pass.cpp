@@ -2,7 +2,7 @@
 
 #include "qnv/codecs/gaussians/lod/splat_stream.h"
 #include "qnv/codecs/shared/chunk_requests.h"
-#include "render/collection/collector.h"
+#include "render/gaussians/gaussian_overlap.h"
 #include "render/gaussians/gaussian_raster.h"
 #include "render/splat/splat_budget.h"
 #include "render/splat/splat_pieces.h"
@@ -10,9 +10,7 @@
 #include <glm/glm.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -36,6 +34,11 @@ struct GaussianScene {
   std::vector<std::shared_ptr<const qnv::Gaussians>> held;
   std::vector<GaussianItem> items;
   bool pending = false;  // the next image of this view will differ
+
+  void note(FrameStatistics& statistics) const {
+    statistics.pending = statistics.pending || pending;
+    for (const GaussianItem& item : items) statistics.gaussians += item.count;
+  }
 };
 
 /// Collects the Gaussians of an image.
@@ -55,8 +58,13 @@ class GaussianCollector {
         decodable_(options.most_decoded) {}
 
   GaussianScene collect() {
-    const std::vector<std::size_t> shares =
-        share_budget(list_.splats, budget_view(whole_, camera_from_world_), options_.budget);
+    const BudgetView budgeted = budget_view(whole_, camera_from_world_);
+    std::vector<std::size_t> shares = share_budget(list_.splats, budgeted, options_.budget);
+    if (options_.most_gaussians > 0) {
+      const std::vector<std::size_t> moving = share_budget(list_.splats, budgeted, options_.most_gaussians);
+      for (std::size_t i = 0; i < shares.size(); ++i)
+        shares[i] = shares[i] == 0 ? moving[i] : std::min(shares[i], moving[i]);
+    }
     for (const SplatItem& item : list_.splats)
       if (const qnv::Gaussians* gaussians = gaussians_of(item); gaussians && gaussians->stream) ++streams_;
     for (std::size_t i = 0; i < list_.splats.size(); ++i) {
@@ -108,8 +116,8 @@ class GaussianCollector {
         if (options_.most_decoded > 0)
           view->most_decoded = std::max<std::size_t>(options_.most_decoded / kDecodingCost, 1);
         // A GPU is usually fast enough. So with OpenGL, levels start only with a slow motion.
-        if (const auto* runs =
-                levels_.cut(shared, {*view, options_.splat_error, *options_.time}, !with_gl_, scene_.pending))
+        if (const auto* runs = levels_.cut(shared, {*view, options_.splat_error, *options_.time, list_.budget},
+                                           !with_gl_, scene_.pending))
           return add_runs(item, *runs);
       }
     scene_.held.push_back(std::move(shared));
@@ -156,73 +164,41 @@ class GaussianCollector {
   GaussianScene scene_;
 };
 
-/// Returns the bounds of all volumes, or of all Gaussians, in world space.
-template <class Content>
-WideBox bounds_of_all(const RenderList& list) {
-  WideBox bounds;
-  for (const SplatItem& item : list.splats) {
-    if (!item.geometry || !item.geometry->as<Content>() || item.geometry->description().box.empty()) continue;
-    const WideBox own = world_bounds(item.geometry->description().box, item.world_from_node);
-    if (!own.empty()) bounds.add(own);
-  }
-  return bounds;
-}
-
 }  // namespace
 
-bool are_gaussians_behind_volumes(const RenderList& list, const glm::dvec3& eye) {
-  const WideBox volumes = bounds_of_all<qnv::Volume>(list), gaussians = bounds_of_all<qnv::Gaussians>(list);
-  if (volumes.empty() || gaussians.empty()) return false;
-  for (int axis = 0; axis < 3; ++axis)
-    for (const bool above : {false, true}) {  // whether the volumes are on the upper side
-      const double low = above ? gaussians.upper[axis] : volumes.upper[axis],
-                   high = above ? volumes.lower[axis] : gaussians.lower[axis];
-      if (low > high) continue;
-      // If the eye is between the boxes, neither box hides the other along this axis.
-      if (eye[axis] <= low || eye[axis] >= high) return (eye[axis] >= high) == above;
-    }
-  const auto distance = [&](const WideBox& box) { return glm::distance(eye, (box.lower + box.upper) * 0.5); };
-  return distance(volumes) < distance(gaussians);
-}
-
-std::optional<DepthRange> overlap_of_gaussians_and_volumes(const RenderList& list, const Camera& camera) {
-  const WideBox volumes = bounds_of_all<qnv::Volume>(list), gaussians = bounds_of_all<qnv::Gaussians>(list);
-  if (volumes.empty() || gaussians.empty()) return std::nullopt;
-  const glm::dvec3 lower = glm::max(glm::dvec3(volumes.lower), glm::dvec3(gaussians.lower)),
-                   upper = glm::min(glm::dvec3(volumes.upper), glm::dvec3(gaussians.upper));
-  if (glm::any(glm::greaterThanEqual(lower, upper))) return std::nullopt;
-  const glm::dmat4 camera_from_world = camera_from_world_of(camera);
-  DepthRange range{std::numeric_limits<float>::infinity(), 0};
-  for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec4 at((corner & 1) != 0 ? upper.x : lower.x, (corner & 2) != 0 ? upper.y : lower.y,
-                        (corner & 4) != 0 ? upper.z : lower.z, 1);
-    const auto depth = static_cast<float>(-(camera_from_world * at).z);
-    range.nearest = std::min(range.nearest, std::max(depth, 0.0f));
-    range.farthest = std::max(range.farthest, depth);
-  }
-  if (!std::isfinite(range.farthest) || !(range.nearest < range.farthest)) return std::nullopt;
-  return range;
-}
-
 GaussianPass::GaussianPass(const Gl& gl, SortMethod sort)
-    : gl_(gl), target_(gl), gaussian_gl_(gl, target_, sort), overlay_(gl) {}
+    : gl_(gl), target_(gl), gaussian_gl_(gl, sort), overlay_(gl) {}
 
 bool GaussianPass::with_gl(const DrawOptions& options) const {
   return options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl_.software);
 }
 
-std::optional<LayerRaster> GaussianPass::rasterizer(const RenderList& list, const Camera& camera,
-                                                    const Projection& projection, const DrawOptions& options,
-                                                    FrameStatistics& statistics) {
-  if (with_gl(options) || std::none_of(list.splats.begin(), list.splats.end(), gaussians_of)) return std::nullopt;
+std::optional<VolumePass::Overlap> GaussianPass::overlap(const RenderList& list, const Camera& camera,
+                                                         const Projection& projection, const DrawOptions& options,
+                                                         FrameStatistics& statistics) {
+  if (!do_boxes_of_gaussians_and_volumes_overlap(list)) return std::nullopt;
   levels_.forget_unused();
   const SplatView view = viewport_view(camera, projection, options);
   const auto scene = std::make_shared<const GaussianScene>(
-      GaussianCollector(gl_, list, camera, options, view, levels_, false).collect());
-  statistics.pending = statistics.pending || scene->pending;
-  return [scene](const SplatView& part, const VolumeStops& stops) {
+      GaussianCollector(gl_, list, camera, options, view, levels_, with_gl(options)).collect());
+  const auto shared = shared_depths(scene->items, volume_boxes(list, camera), view);
+  if (!shared) return std::nullopt;
+  scene->note(statistics);
+  VolumePass::Overlap made;
+  made.shared = *shared;
+  made.gain = kGaussianLayerGain;
+  made.rasterize = [scene](const SplatView& part, const VolumeStops& stops) {
     return rasterize_gaussians(scene->items, part, stops, false);
   };
+  if (!with_gl(options)) return made;
+  gaussian_gl_.forget_unused();
+  const TargetRectangle rectangle{options.x, options.y, options.width, options.height};
+  if (auto prepared =
+          gaussian_gl_.prepare(scene->held, scene->items, {view, projection, rectangle, options.viewport})) {
+    made.prepared = std::move(*prepared);
+    made.with_gl = true;
+  }
+  return made;
 }
 
 void GaussianPass::draw(const RenderList& list, const Camera& camera, const Projection& projection,
@@ -233,12 +209,13 @@ void GaussianPass::draw(const RenderList& list, const Camera& camera, const Proj
   const SplatView view = viewport_view(camera, projection, options);
   const TargetRectangle rectangle{options.x, options.y, options.width, options.height};
   const GaussianScene scene = GaussianCollector(gl_, list, camera, options, view, levels_, with_gl(options)).collect();
-  statistics.pending = statistics.pending || scene.pending;
+  scene.note(statistics);
   if (with_gl(options)) {
-    if (const auto drawn =
-            gaussian_gl_.draw(scene.held, scene.items, {view, projection, rectangle, options.viewport})) {
-      statistics.vectors += drawn->vectors;
-      statistics.pending = statistics.pending || drawn->pending;
+    if (const auto splats =
+            gaussian_gl_.prepare(scene.held, scene.items, {view, projection, rectangle, options.viewport})) {
+      if (splats->total > 0) target_.blend(rectangle, projection, growing_parts(*splats), kGaussianLayerGain);
+      statistics.vectors += splats->found.vectors;
+      statistics.pending = statistics.pending || splats->found.pending;
       if (std::string_view(statistics.splats) == "none") statistics.splats = "gl";
       ++statistics.draw_calls;
       return;

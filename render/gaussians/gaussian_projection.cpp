@@ -96,27 +96,34 @@ bool is_in_view(const GaussianLens& lens, const GaussianSplat& splat) {
   return splat.right >= 0 && splat.top >= 0 && splat.left <= lens.last_x && splat.bottom <= lens.last_y;
 }
 
-/// Reads eight splats of an item from index `first` on. Splats from `end` on and clipped splats get the opacity 0.
+/// Reads eight splats of an item from index `first` on. Splats from `end` on and clipped splats get the opacity 0. Uses
+/// pointers, because the library checks indices.
 void read_eight(const GaussianItem& item, std::size_t first, std::size_t end, EightGaussians& eight) {
   const qnv::Gaussians& g = *item.gaussians;
+  const glm::vec3 *const positions = g.positions.data(), *const scales = g.scales.data();
+  const glm::vec4* const rotations = g.rotations.data();
+  const float* const opacities = g.opacities.data();
+  const std::size_t count = std::min(EightGaussians::kLanes, end - first);
   for (std::size_t k = 0; k < EightGaussians::kLanes; ++k) {
-    const std::size_t i = std::min(first + k, end - 1);
-    const glm::vec3 &position = g.positions[i], &scales = g.scales[i];
-    const glm::vec4& rotation = g.rotations[i];
-    eight.position_x[k] = position.x;
-    eight.position_y[k] = position.y;
-    eight.position_z[k] = position.z;
-    eight.scale_x[k] = scales.x;
-    eight.scale_y[k] = scales.y;
-    eight.scale_z[k] = scales.z;
-    eight.rotation_x[k] = rotation.x;
-    eight.rotation_y[k] = rotation.y;
-    eight.rotation_z[k] = rotation.z;
-    eight.rotation_w[k] = rotation.w;
-    eight.opacity[k] = faded_opacity(g.opacities[i] * item.opacity, item.presence);
-    if (first + k >= end || (item.clip && !(glm::dot(glm::vec3(*item.clip), position) + item.clip->w >= 0)))
-      eight.opacity[k] = 0;
+    const std::size_t i = first + std::min(k, count - 1);
+    eight.position_x.data()[k] = positions[i].x;
+    eight.position_y.data()[k] = positions[i].y;
+    eight.position_z.data()[k] = positions[i].z;
+    eight.scale_x.data()[k] = scales[i].x;
+    eight.scale_y.data()[k] = scales[i].y;
+    eight.scale_z.data()[k] = scales[i].z;
+    eight.rotation_x.data()[k] = rotations[i].x;
+    eight.rotation_y.data()[k] = rotations[i].y;
+    eight.rotation_z.data()[k] = rotations[i].z;
+    eight.rotation_w.data()[k] = rotations[i].w;
+    eight.opacity.data()[k] = opacities[i] * item.opacity;
   }
+  if (item.presence < 1)
+    for (float& opacity : eight.opacity) opacity = faded_opacity(opacity, item.presence);
+  if (item.clip)
+    for (std::size_t k = 0; k < count; ++k)
+      if (!(glm::dot(glm::vec3(*item.clip), positions[first + k]) + item.clip->w >= 0)) eight.opacity[k] = 0;
+  for (std::size_t k = count; k < EightGaussians::kLanes; ++k) eight.opacity[k] = 0;
 }
 
 }  // namespace
@@ -142,7 +149,7 @@ void project_gaussians(const GaussianItem& item, const SplatView& view, std::siz
       const glm::vec3 seen(eight.seen_x[k], eight.seen_y[k], eight.seen_z[k]);
       GaussianSplat splat;
       GaussianSurfel surfel;
-      const glm::vec3& scales = g.scales[i];
+      const glm::vec3& scales = g.scales.data()[i];
       bool flat = scales.z == 0 && scales.x > 0 && scales.y > 0;
       if (flat) {
         const glm::vec4& q = g.rotations[i];
@@ -152,16 +159,16 @@ void project_gaussians(const GaussianItem& item, const SplatView& view, std::siz
       }
       if (!flat) {
         if ((eight.visible >> k & 1) == 0) continue;
-        splat.x = eight.x[k];
-        splat.y = eight.y[k];
-        splat.xx = eight.xx[k];
-        splat.xy = eight.xy[k];
-        splat.yy = eight.yy[k];
-        splat.peak = eight.peak[k];
-        splat.left = eight.left[k];
-        splat.right = eight.right[k];
-        splat.bottom = eight.bottom[k];
-        splat.top = eight.top[k];
+        splat.x = eight.x.data()[k];
+        splat.y = eight.y.data()[k];
+        splat.xx = eight.xx.data()[k];
+        splat.xy = eight.xy.data()[k];
+        splat.yy = eight.yy.data()[k];
+        splat.peak = eight.peak.data()[k];
+        splat.left = eight.left.data()[k];
+        splat.right = eight.right.data()[k];
+        splat.bottom = eight.bottom.data()[k];
+        splat.top = eight.top.data()[k];
       }
       const glm::vec3* const harmonics = per == 0 ? nullptr : g.harmonics.data() + i * per;
       glm::vec3 away(0), color;
@@ -170,7 +177,8 @@ void project_gaussians(const GaussianItem& item, const SplatView& view, std::siz
         away = g.positions[i] - eye;
         length = std::sqrt(glm::dot(away, away));
       }
-      color = gaussian_color(g.bases[i], harmonics, length > 0 ? g.degree : 0, length > 0 ? away / length : away);
+      color =
+          gaussian_color(g.bases.data()[i], harmonics, length > 0 ? g.degree : 0, length > 0 ? away / length : away);
       if (item.fog.on) color = fogged(item.fog, color, seen);
       if (!std::isfinite(color.x + color.y + color.z)) continue;
       splat.red = color.x;

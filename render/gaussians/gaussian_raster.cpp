@@ -174,11 +174,12 @@ void put_in_order(GaussianArrays& arrays, const SplatView& view) {
                [&](std::size_t t) {
                  const std::size_t last = std::min(count, (t + 1) * kListedRange);
                  const auto place_of = [&](std::size_t i) {
-                   return parts[keys[i].index / kProjectedRange].places.data() + keys[i].index % kProjectedRange;
+                   const std::uint32_t index = keys.data()[i].index;
+                   return parts.data()[index / kProjectedRange].places.data() + index % kProjectedRange;
                  };
                  for (std::size_t i = t * kListedRange; i < last; ++i) {
                    __builtin_prefetch(place_of(std::min(i + kPrefetched, last - 1)));
-                   ordered[i] = *place_of(i);
+                   ordered.data()[i] = *place_of(i);
                  }
                },
                view.threads);
@@ -284,7 +285,7 @@ class GaussianPainter {
     counts_.assign((counted_to_ - first) * regions_, 0);
     for_ranges(first, counted_to_, [&](std::size_t from, std::size_t to, std::uint32_t* counts) {
       for (std::size_t i = from; i < to; ++i)
-        for_regions(ordered_[i].tiles, [&](std::size_t region, int, int) { ++counts[region]; });
+        for_regions(ordered_.data()[i].tiles, [&](std::size_t region, int, int) { ++counts[region]; });
     });
   }
 
@@ -329,11 +330,11 @@ class GaussianPainter {
     for_ranges(first, last, [&](std::size_t from, std::size_t to, const std::uint32_t*) {
       std::uint32_t* const own = places.data() + (from / range_ - first) * regions_;
       for (std::size_t i = from; i < to; ++i) {
-        const PlacedGaussian& place = ordered_[i];
+        const PlacedGaussian& place = ordered_.data()[i];
         for_regions(place.tiles, [&](std::size_t region, int row, int column) {
           const auto [left, right] = inside(column, place.tiles.left, place.tiles.right);
           const auto [bottom, top] = inside(row, place.tiles.bottom, place.tiles.top);
-          listed_[own[region]++] = {place.index, left, right, bottom, top};
+          listed_.data()[own[region]++] = {place.index, left, right, bottom, top};
         });
       }
     });
@@ -366,7 +367,7 @@ class GaussianPainter {
   }
 
   [[nodiscard]] const GaussianSplat* splat_of(std::uint32_t index) const {
-    return parts_[index / kProjectedRange].projected.splats.data() + index % kProjectedRange;
+    return parts_.data()[index / kProjectedRange].projected.splats.data() + index % kProjectedRange;
   }
 
   void blend(std::size_t region, std::span<const ListedGaussian> list, const Target& target,
@@ -383,9 +384,9 @@ class GaussianPainter {
       surfels.clear();
       const std::size_t size = std::min(kGatheredSplats, list.size() - first);
       for (std::size_t i = 0; i < size; ++i) {
-        __builtin_prefetch(splat_of(list[std::min(first + i + kPrefetched, list.size() - 1)].index));
-        const ListedGaussian& listed = list[first + i];
-        GaussianSplat& splat = splats[i];
+        __builtin_prefetch(splat_of(list.data()[std::min(first + i + kPrefetched, list.size() - 1)].index));
+        const ListedGaussian& listed = list.data()[first + i];
+        GaussianSplat& splat = splats.data()[i];
         splat = *splat_of(listed.index);
         if (splat.surfel >= 0) {
           surfels.push_back(
@@ -395,7 +396,7 @@ class GaussianPainter {
         for (unsigned row = listed.bottom; row <= listed.top; ++row)
           for (unsigned column = listed.left; column <= listed.right; ++column) {
             const unsigned tile = kRegionTiles * row + column;
-            orders[tile][counts[tile]++] = static_cast<std::uint16_t>(i);
+            orders.data()[tile].data()[counts.data()[tile]++] = static_cast<std::uint16_t>(i);
           }
       }
       for (std::size_t tile = 0; tile < GaussianRegion::kTiles; ++tile) {
@@ -417,7 +418,7 @@ class GaussianPainter {
     const std::span<const float> stops = target.stops;
     for (int y = 0; !stops.empty() && y < kGaussianTile; ++y)
       for (int x = 0; x < kGaussianTile; ++x)
-        tile.groups[GaussianTile::group_of(x, y)].stop[GaussianTile::lane_of(x, y)] =
+        tile.blocks[GaussianTile::block_of(x, y)].channel(GaussianBlock::kStop)[GaussianTile::lane_of(x, y)] =
             stops[static_cast<std::size_t>(std::min(bottom + y, view_.height - 1)) *
                       static_cast<std::size_t>(view_.width) +
                   static_cast<std::size_t>(std::min(left + x, view_.width - 1))];

@@ -79,6 +79,7 @@ uniform vec4 lens;  // xy: pixels per length 1 at depth 1; zw: size of the viewp
 uniform vec4 limits;  // of the tangents at which the projection is linearised: left, low, right, high
 uniform vec2 straight;  // position of the optical axis, in pixels from the middle
 uniform vec4 depth_range;  // near plane; clip_from_camera[2][2] and [3][2]; minimum depth of clip space
+uniform float farthest;  // maximum depth
 uniform float gain;
 flat out vec4 color;  // w: logarithm of the opacity to the base 2
 out vec2 away;  // from the centre, in standard deviations; of a surfel, those of its low-pass
@@ -167,7 +168,7 @@ void main() {
   vec4 row_x = about(item, ROW_X), row_y = about(item, ROW_Y), row_z = about(item, ROW_Z);
   vec3 seen = vec3(dot(row_x, position), dot(row_y, position), dot(row_z, position));
   float depth = -seen.z;
-  if (!(depth > depth_range.x && depth > 0.0)) return;
+  if (!(depth > depth_range.x && depth <= farthest && depth > 0.0)) return;
   uvec4 shape = texelFetch(codes, texel + 1);
   vec4 coding = vec4(about(item, METRIC).w, about(item, METRIC + 1).w, about(item, METRIC + 2).w, 0.0);
   float near = 1.0 / depth;

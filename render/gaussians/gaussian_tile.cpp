@@ -34,45 +34,67 @@ constexpr GroupMasks kGroupMasks = [] {
 namespace baseline {
 #define GAUSSIAN_TARGET
 #define GAUSSIAN_AVX2 0
+#define GAUSSIAN_AVX512 0
 #include "render/gaussians/gaussian_tile_loop.inc"
 #undef GAUSSIAN_TARGET
 #undef GAUSSIAN_AVX2
+#undef GAUSSIAN_AVX512
 }  // namespace baseline
 
 #if defined(__x86_64__)
 namespace avx2 {
 #define GAUSSIAN_TARGET __attribute__((target("avx2,bmi")))
 #define GAUSSIAN_AVX2 1
+#define GAUSSIAN_AVX512 0
 #include "render/gaussians/gaussian_tile_loop.inc"
 #undef GAUSSIAN_TARGET
 #undef GAUSSIAN_AVX2
+#undef GAUSSIAN_AVX512
 }  // namespace avx2
-#endif
 
-constexpr GaussianKernel kGaussianBaseline{baseline::tile<false>, baseline::tile<true>, baseline::write};
+// Without AVX-512VL, GCC keeps vectors of eight numbers in AVX2, where their comparisons are faster.
+namespace avx512 {
+#define GAUSSIAN_TARGET __attribute__((target("avx2,bmi,bmi2,avx512f")))
+#define GAUSSIAN_AVX2 1
+#define GAUSSIAN_AVX512 1
+#include "render/gaussians/gaussian_tile_loop.inc"
+#undef GAUSSIAN_TARGET
+#undef GAUSSIAN_AVX2
+#undef GAUSSIAN_AVX512
+}  // namespace avx512
+#endif
 
 }  // namespace
 
 void GaussianTile::clear_pixels() {
-  groups.fill({});
-  for (std::size_t i = 0; i < kGroups; ++i) {
-    groups[i].clear.fill(1);
-    for (std::size_t lane = 0; lane < GaussianGroup::kLanes; ++lane)
-      groups[i].column[lane] = static_cast<float>(i / 8 * 4 + lane / 2);
+  blocks.fill({});
+  for (std::size_t i = 0; i < kBlocks; ++i) {
+    std::ranges::fill(blocks[i].channel(GaussianBlock::kClear), 1.0f);
+    for (std::size_t lane = 0; lane < GaussianBlock::kLanes; ++lane)
+      blocks[i].channel(GaussianBlock::kColumn)[lane] =
+          static_cast<float>(i / 4 * 4 + lane % GaussianBlock::kGroupLanes / 2);
   }
   open = kAllGroups;
   with_depths = true;
 }
 
-const GaussianKernel& gaussian_kernel_baseline() { return kGaussianBaseline; }
-
-const GaussianKernel& gaussian_kernel() {
+std::span<const GaussianKernel> gaussian_kernels() {
 #if defined(__x86_64__)
-  static constexpr GaussianKernel kAvx2{avx2::tile<false>, avx2::tile<true>, avx2::write};
-  static const bool have_avx2 = __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("bmi") != 0;
-  if (have_avx2) return kAvx2;
+  static constexpr std::array<GaussianKernel, 3> kAll{{{baseline::tile<false>, baseline::tile<true>, baseline::write},
+                                                       {avx2::tile<false>, avx2::tile<true>, avx2::write},
+                                                       {avx512::tile<false>, avx512::tile<true>, avx512::write}}};
+  static const std::size_t count = [] {
+    const bool have_avx2 = __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("bmi") != 0;
+    const bool have_avx512 = __builtin_cpu_supports("bmi2") != 0 && __builtin_cpu_supports("avx512f") != 0;
+    return std::size_t{1} + (have_avx2 ? 1 : 0) + (have_avx2 && have_avx512 ? 1 : 0);
+  }();
+#else
+  static constexpr std::array<GaussianKernel, 1> kAll{{{baseline::tile<false>, baseline::tile<true>, baseline::write}}};
+  static constexpr std::size_t count = 1;
 #endif
-  return kGaussianBaseline;
+  return std::span(kAll).first(count);
 }
+
+const GaussianKernel& gaussian_kernel() { return gaussian_kernels().back(); }
 
 }  // namespace gs::render

@@ -37,33 +37,53 @@ struct GaussianSurfel {
 /// Low-pass of surfels (2DGS): even edge-on, a surfel has a variance of at least 1 / kSurfelScreen pixels^2.
 constexpr float kSurfelScreen = 2;
 
-/// Block of 4 x 2 pixels, premultiplied. Lane 2 x + y is the pixel in column x and row y.
-struct alignas(64) GaussianGroup {
-  static constexpr std::size_t kLanes = 8;
-  using Channel = std::array<float, kLanes>;
-  Channel red, green, blue;  // 0..1 and above
-  Channel clear;             // transmittance so far, 1 to 0
-  Channel depth;             // depth of the last splat that more than half of the light reaches
-  Channel stop;              // depth behind which splats are hidden
-  Channel column;            // pixel columns in the tile
-  Channel unused;            // padding, so that the kernel finds a group by a shift
+/// Block of 4 x 4 pixels, premultiplied: two groups of 4 x 2 pixels, each with eight adjacent lanes. Lane 2 x + y of a
+/// group is the pixel in column x and row y of the group.
+struct alignas(64) GaussianBlock {
+  static constexpr std::size_t kLanes = 16, kGroupLanes = 8;
+  enum Channel : std::uint8_t {
+    kRed,  // colours: 0..1 and above
+    kGreen,
+    kBlue,
+    kClear,        // transmittance so far, 1 to 0
+    kDepth,        // depth of the last splat that more than half of the light reaches
+    kStop,         // depth behind which splats are hidden
+    kColumn,       // pixel columns in the tile
+    kChannels = 8  // one is unused, so that the kernel finds a block by a shift
+  };
+  std::array<float, kLanes * kChannels> values;
+
+  [[nodiscard]] std::span<float, kLanes> channel(Channel which) {
+    return std::span<float, kLanes>(values.data() + kLanes * which, kLanes);
+  }
+  [[nodiscard]] std::span<const float, kLanes> channel(Channel which) const {
+    return std::span<const float, kLanes>(values.data() + kLanes * which, kLanes);
+  }
 };
 
-/// Pixels of one tile. Groups are in columns: group 8 c + r has the lower left pixel (4 c, 2 r).
+/// Pixels of one tile. Groups are in columns: group 8 c + r has the lower left pixel (4 c, 2 r). Block b has the groups
+/// 2 b and 2 b + 1.
 struct alignas(64) GaussianTile {
-  static constexpr std::size_t kGroups = 32;
+  static constexpr std::size_t kGroups = 32, kBlocks = 16;
   static constexpr std::uint64_t kAllGroups = 0x5555555555555555u;
-  std::array<GaussianGroup, kGroups> groups;
+  std::array<GaussianBlock, kBlocks> blocks;
   std::uint64_t open = kAllGroups;  // groups in which more splats can be visible: bit 2 i is group i
   bool with_depths = true;          // if false, the depths of groups are undefined, except those of surfels
 
   void clear_pixels();
 
-  [[nodiscard]] static constexpr std::size_t group_of(int x, int y) {
-    return static_cast<std::size_t>(x / 4 * 8 + y / 2);
+  [[nodiscard]] static constexpr std::size_t block_of(int x, int y) {
+    return static_cast<std::size_t>(x / 4 * 4 + y / 4);
   }
   [[nodiscard]] static constexpr std::size_t lane_of(int x, int y) {
-    return static_cast<std::size_t>(x % 4 * 2 + y % 2);
+    return static_cast<std::size_t>(y % 4 / 2 * 8 + x % 4 * 2 + y % 2);
+  }
+  /// Returns the first lane of a group in the first channel of its block.
+  [[nodiscard]] float* group(std::size_t number) {
+    return blocks.data()[number / 2].values.data() + GaussianBlock::kGroupLanes * (number % 2);
+  }
+  [[nodiscard]] const float* group(std::size_t number) const {
+    return blocks.data()[number / 2].values.data() + GaussianBlock::kGroupLanes * (number % 2);
   }
 };
 
@@ -89,7 +109,8 @@ struct GaussianKernel {
 
 /// Returns the fastest kernel for this CPU.
 [[nodiscard]] const GaussianKernel& gaussian_kernel();
-/// Returns the portable kernel. Its results are identical to those of `gaussian_kernel`, bit for bit.
-[[nodiscard]] const GaussianKernel& gaussian_kernel_baseline();
+/// Returns all kernels that this CPU can run, from the portable one to the fastest. Their results are identical, bit
+/// for bit.
+[[nodiscard]] std::span<const GaussianKernel> gaussian_kernels();
 
 }  // namespace gs::render

@@ -52,6 +52,7 @@ struct DrawOptions {
   std::uint32_t viewport = 0;  // index of the viewport; each viewport has its own level of detail
   std::optional<double> time;  // seconds of the viewport's clock, for fades; nullopt means no fades
   float splat_error = 1;  // error of streams of Gaussians, in pixels; a larger error gives fewer Gaussians
+  std::size_t most_gaussians = 0;  // maximum Gaussians of a picture that changes, from all items; 0 means unlimited
   std::size_t most_decoded = 0;  // maximum splats to decode for this frame; 0 means unlimited
   CancellationCheck go_on;  // called several times per second; returns false to cancel the rest of the frame
   int target_samples = 64;  // maximum samples of OpenGL drawing; CPU rasterizers have their own sampling
@@ -61,6 +62,7 @@ struct DrawOptions {
 struct FrameStatistics {
   std::size_t triangles = 0, items = 0, draw_calls = 0;
   std::size_t vectors = 0;  // vectors in view
+  std::size_t gaussians = 0;  // Gaussians that were drawn, in view or not
   const char* splats =
       "none";             // rendering path in use: "gl" or "cpu"; also "cpu" if OpenGL was requested but unavailable
   bool pending = false;  // more detail will be available for this view: draw again

@@ -31,6 +31,10 @@
 #include <unordered_map>
 #include <vector>
 
+namespace gs {
+class Budget;
+}
+
 namespace gs::render {
 
 /// Material of a Shape (VRML97 6.27 and Table 4.5).
@@ -259,6 +263,7 @@ struct RenderList {
   /// valid. 0 means that changes are not tracked. Does not cover the growth of geometries and images in the list.
   std::uint64_t changes = 0;
   std::vector<SplatItem> splats;
+  std::shared_ptr<Budget> budget;  // of the world, for data that drawing derives from the list; null means no limit
   std::vector<Light> lights;  // directional lights have effect only through DrawItem::directional_lights
   /// ClipPlanes in world space: a point p is drawn if dot(plane, (p, 1)) is positive.
   std::vector<glm::dvec4> clip_planes;

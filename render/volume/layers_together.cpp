@@ -3,6 +3,7 @@
 #include "base/parallel.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -59,6 +60,21 @@ void limit(std::span<const float> stops, float farthest, std::vector<float>& lim
 
 }  // namespace
 
+std::vector<DepthSlab> depth_slabs(const DepthRange& range, std::size_t slabs) {
+  constexpr float kEndless = std::numeric_limits<float>::infinity();
+  const float step = (range.farthest - range.nearest) / static_cast<float>(std::max<std::size_t>(slabs, 1));
+  std::vector<DepthSlab> made;
+  // Slab 0 is in front of the range, and slab `slabs` + 1 is behind it.
+  for (std::size_t slab = 0; slab < slabs + 2; ++slab)
+    for (std::size_t content = 0; content < 2; ++content) {
+      const auto bound = [&](std::size_t i) {
+        return range.nearest + step * (static_cast<float>(i) + 0.5f * static_cast<float>(content));
+      };
+      made.push_back({content, slab > 0 ? bound(slab - 1) : 0, slab <= slabs ? bound(slab) : kEndless});
+    }
+  return made;
+}
+
 VolumeLayer rasterize_together(const std::array<LayerRaster, 2>& contents, const SplatView& view,
                                const VolumeStops& stops, const DepthRange& range, std::size_t slabs) {
   VolumeLayer layer;
@@ -69,32 +85,25 @@ VolumeLayer rasterize_together(const std::array<LayerRaster, 2>& contents, const
   std::vector<float> near(pixels), far(has_edges ? pixels : 0);
   bool any = false;
   std::array<bool, 2> counted{};  // contents with their splats in layer.vectors
-  const float step = (range.farthest - range.nearest) / static_cast<float>(std::max<std::size_t>(slabs, 1));
-  // Slab 0 is in front of the range, and slab `slabs` + 1 is behind it.
-  for (std::size_t slab = 0; slab < slabs + 2; ++slab)
-    for (std::size_t content = 0; content < contents.size(); ++content) {
-      const auto bound = [&](std::size_t i) {
-        return range.nearest + step * (static_cast<float>(i) + 0.5f * static_cast<float>(content));
-      };
-      SplatView part = view;
-      if (slab > 0) part.near_plane = std::max(view.near_plane, bound(slab - 1));
-      VolumeStops limited = stops;
-      if (slab <= slabs) {
-        const float farthest = bound(slab);
-        if (!(farthest > view.near_plane)) continue;
-        limit(stops.near, farthest, near);
-        limited.near = near;
-        if (has_edges) limit(stops.far, farthest, far);
-        limited.far = far;
-      }
-      const VolumeLayer one = contents[content](part, limited);
-      // The first slab begins at the near plane, so it counts all splats.
-      if (!std::exchange(counted[content], true)) layer.vectors += one.vectors;
-      if (one.empty()) continue;
-      any = true;
-      blended.add(one.pixels, view.threads);
-      if (has_edges) edges.add(one.edge_pixels.empty() ? one.pixels : one.edge_pixels, view.threads);
+  for (const DepthSlab& slab : depth_slabs(range, slabs)) {
+    SplatView part = view;
+    part.near_plane = std::max(view.near_plane, slab.nearest);
+    VolumeStops limited = stops;
+    if (std::isfinite(slab.farthest)) {
+      if (!(slab.farthest > view.near_plane)) continue;
+      limit(stops.near, slab.farthest, near);
+      limited.near = near;
+      if (has_edges) limit(stops.far, slab.farthest, far);
+      limited.far = far;
     }
+    const VolumeLayer one = contents[slab.content](part, limited);
+    // The first slab begins at the near plane, so it counts all splats.
+    if (!std::exchange(counted[slab.content], true)) layer.vectors += one.vectors;
+    if (one.empty()) continue;
+    any = true;
+    blended.add(one.pixels, view.threads);
+    if (has_edges) edges.add(one.edge_pixels.empty() ? one.pixels : one.edge_pixels, view.threads);
+  }
   if (!any) return {};
   layer.width = view.width;
   layer.height = view.height;

@@ -98,7 +98,6 @@ void describe(const VolumeItem& item, const VolumeStore::Place& place, const Vol
 VolumeGl::VolumeGl(const Gl& gl, SortMethod sort)
     : gl_(gl),
       store_(gl),
-      target_(gl),
       order_(gl, sort, volume_keys_shader()),
       attributes_(make_vertex_array(gl)),
       items_(make_texture(gl)),
@@ -160,19 +159,22 @@ void VolumeGl::draw_range(const Visible& visible, const View& view, const SplatR
   const VolumeLens lens = *volume_lens(view.lens, visible.items.front().camera_from_node);
   const glm::vec4 pixels(lens.pixels_x, lens.pixels_y, lens.width, lens.height);
   const glm::mat4& clip = view.projection.clip_from_camera;
-  const glm::vec4 depths(view.lens.near_plane, clip[2][2], clip[3][2], view.projection.reversed ? 0.0f : -1.0f);
+  const glm::vec4 depths(std::max(view.lens.near_plane, range.nearest), clip[2][2], clip[3][2],
+                         view.projection.reversed ? 0.0f : -1.0f);
   gl_.Uniform4fv(at("lens"), 1, glm::value_ptr(pixels));
   const glm::vec2 straight = -view.lens.center * glm::vec2(lens.pixels_x, lens.pixels_y);
   gl_.Uniform2f(at("straight"), straight.x, straight.y);
   gl_.Uniform4fv(at("depth_range"), 1, glm::value_ptr(depths));
+  gl_.Uniform1f(at("farthest"), range.farthest);
+  gl_.Uniform1f(at("gain"), range.gain);
   gl_.Uniform2i(at("ranks"), static_cast<GLint>(range.near_first ? visible.total - 1 - range.first : range.first),
                 range.near_first ? -1 : 1);
   gl_.BindVertexArray(attributes_.name());
   gl_.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(range.count));
 }
 
-std::optional<VolumeGl::Drawn> VolumeGl::draw(std::span<const SharedVolume> held, std::span<const VolumeItem> items,
-                                              const View& view) {
+std::optional<PreparedSplats> VolumeGl::prepare(std::span<const SharedVolume> held, std::span<const VolumeItem> items,
+                                                const View& view) {
   Visible visible;
   for (std::size_t i = 0; i < items.size(); ++i) {
     VolumeItem item = items[i];
@@ -183,26 +185,28 @@ std::optional<VolumeGl::Drawn> VolumeGl::draw(std::span<const SharedVolume> held
     visible.items.push_back(item);
     visible.total += item.count;
   }
-  if (visible.items.empty()) return Drawn{};
+  if (visible.items.empty()) return PreparedSplats{};
   if (visible.total > kMaxVectors || !make_program_once()) return std::nullopt;
   GLint samples = 0;
   gl_.GetIntegerv(GL_SAMPLES, &samples);
   const VolumeSurvey survey = survey_volumes(visible.items, view.lens, kSurveyedVectors);
   if (survey.pixels * std::max(samples, 1) > kMaxBlendedSamples) return std::nullopt;
-  Drawn drawn{survey.vectors, false};
-  if (survey.vectors == 0 && visible.total <= kSurveyedVectors) return drawn;
+  PreparedSplats prepared{{survey.vectors, false}, 0, {}};
+  if (survey.vectors == 0 && visible.total <= kSurveyedVectors) return prepared;
   take_errors(gl_);
   visible.places = store_.place(visible.held);
   if (visible.places.size() != visible.items.size() || !upload_items(visible, view.lens)) return std::nullopt;
   const auto order = sort(visible, view.viewport);
   if (!order) return std::nullopt;
-  drawn.pending = order->pending;
+  prepared.found.pending = order->pending;
   gl_.ActiveTexture(GL_TEXTURE0);
   gl_.BindTexture(GL_TEXTURE_BUFFER, order_texture_.name());
   gl_.TexBuffer(GL_TEXTURE_BUFFER, GL_R32UI, order->far_first.name());
-  target_.blend(view.rectangle, view.projection, visible.total,
-                [&](const SplatRange& range) { draw_range(visible, view, range); });
-  return drawn;
+  prepared.total = visible.total;
+  prepared.draw = [this, visible = std::move(visible), view](const SplatRange& range) {
+    draw_range(visible, view, range);
+  };
+  return prepared;
 }
 
 }  // namespace gs::render

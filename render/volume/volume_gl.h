@@ -17,9 +17,9 @@
 
 namespace gs::render {
 
-/// Draws volumes with OpenGL 3.3. The image equals that of rasterize_volumes(), except for rounding. Blends the
-/// instanced rectangles of all volumes with a VolumeTarget, in 16 bits per channel. If no such target is possible,
-/// blends directly into the image, rounded to 8 bits.
+/// Draws volumes with OpenGL 3.3. The image equals that of rasterize_volumes(), except for rounding. A VolumeTarget
+/// blends the instanced rectangles of all volumes in 16 bits per channel. If no such target is possible, it blends
+/// directly into the image, rounded to 8 bits.
 ///
 /// Compute shaders sort exactly for the view. The order of the thread may be that of the previous view (DepthOrder).
 /// Runs on the thread of its context.
@@ -28,11 +28,10 @@ class VolumeGl {
   explicit VolumeGl(const Gl& gl, SortMethod sort = SortMethod::automatic);
 
   using View = BlendedView;
-  using Drawn = BlendedSplats;
-  /// Draws the volumes `items`; held[i] owns the data of items[i]. Writes no depth. Leaves depth test and blending off
-  /// and depth writes on. Returns nullopt if memory or the program is missing, or if there are too many vectors, items
-  /// or lights.
-  std::optional<Drawn> draw(std::span<const SharedVolume> held, std::span<const VolumeItem> items, const View& view);
+  /// Prepares the drawing of the volumes `items`; held[i] owns the data of items[i]. Returns nullopt if memory or the
+  /// program is missing, or if there are too many vectors, items or lights.
+  std::optional<PreparedSplats> prepare(std::span<const SharedVolume> held, std::span<const VolumeItem> items,
+                                        const View& view);
 
   /// Frees volumes that have no other owners. Call it once per frame.
   void forget_unused() { store_.forget_unused(); }
@@ -55,7 +54,6 @@ class VolumeGl {
 
   const Gl& gl_;
   VolumeStore store_;
-  VolumeTarget target_;
   DepthOrder order_;
   bool tried_program_ = false;
   Program program_;

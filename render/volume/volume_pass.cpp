@@ -19,7 +19,7 @@
 namespace gs::render {
 namespace {
 
-constexpr double kShareSteps = 8;  // steps per octave
+constexpr double kShareSteps = 8;               // steps per octave
 constexpr std::uint64_t kKeptModelFrames = 64;  // frames for which a model is kept although its prefix is not drawn
 
 /// Rounds a share down to a step. Shares change with each movement of the viewer; the number of drawn vectors should
@@ -155,7 +155,8 @@ void VolumePass::on_processor(const Scene& scene, const SplatView& view, const P
   const LayerRaster volumes = [&](const SplatView& part, const VolumeStops& limits) {
     return rasterize_volumes(scene.items, part, limits);
   };
-  const VolumeLayer layer = overlap ? rasterize_together({volumes, overlap->rasterize}, view, stops, overlap->range)
+  const VolumeLayer layer = overlap ? rasterize_together({volumes, overlap->rasterize}, view, stops,
+                                                         overlap->shared.range, overlap->shared.slabs)
                                     : volumes(view, stops);
   statistics.vectors += layer.vectors;
   if (layer.empty()) return;
@@ -173,14 +174,20 @@ void VolumePass::draw(const RenderList& list, const Camera& camera, const Projec
   gather(list, camera, whole_view(view, camera), options, scene);
   statistics.working = statistics.working || scene.working;
   if (scene.items.empty() && !overlap) return;
-  const bool with_gl =
-      !overlap && (options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl_.software));
-  if (with_gl) {
+  const bool with_gl = options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl_.software);
+  if (with_gl && (!overlap || overlap->with_gl)) {
     const VolumeGl::View gl_view{
         view, projection, {options.x, options.y, options.width, options.height}, options.viewport};
-    if (const auto drawn = volume_gl_.draw(scene.held, scene.items, gl_view)) {
-      statistics.vectors += drawn->vectors;
-      statistics.pending = statistics.pending || drawn->pending;
+    if (const auto volumes = volume_gl_.prepare(scene.held, scene.items, gl_view)) {
+      if (overlap)
+        target_.blend(
+            gl_view.rectangle, projection,
+            parts_in_slabs({&*volumes, &overlap->prepared}, depth_slabs(overlap->shared.range, overlap->shared.slabs)),
+            overlap->gain);
+      else if (volumes->total > 0)
+        target_.blend(gl_view.rectangle, projection, growing_parts(*volumes));
+      statistics.vectors += volumes->found.vectors + (overlap ? overlap->prepared.found.vectors : 0);
+      statistics.pending = statistics.pending || volumes->found.pending || (overlap && overlap->prepared.found.pending);
       // Report OpenGL, unless the CPU has already drawn a volume of this frame.
       if (std::string_view(statistics.splats) == "none") statistics.splats = "gl";
       ++statistics.draw_calls;

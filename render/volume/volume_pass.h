@@ -34,13 +34,17 @@ class VolumePass {
  public:
   explicit VolumePass(const Gl& gl, SortMethod sort = SortMethod::automatic);
 
-  /// Content that overlaps the volumes in a range of depths.
+  /// Content that shares depths with the volumes.
   struct Overlap {
     LayerRaster rasterize;
-    DepthRange range;
+    PreparedSplats prepared;
+    bool with_gl = false;  // `prepared` is valid
+    float gain = 1;        // of the layer of OpenGL
+    SharedDepths shared;
   };
   /// Draws the volumes. Call it after all opaque content. `camera` must have near and far planes. Leaves blending and
-  /// the depth test off, and depth writes on. With an `overlap`, draws both on the CPU.
+  /// the depth test off, and depth writes on. Draws an `overlap`, too, in slabs of depth: by `prepared` if OpenGL draws
+  /// the volumes, otherwise both on the CPU.
   void draw(const RenderList& list, const Camera& camera, const Projection& projection, const DrawOptions& options,
             FrameStatistics& statistics, const Overlap* overlap = nullptr);
 

@@ -249,6 +249,8 @@ uniform samplerBuffer spacings;
 uniform vec4 lens;  // xy: pixels per length 1 at depth 1; zw: size of the viewport
 uniform vec2 straight;  // position of the optical axis, in pixels from the middle
 uniform vec4 depth_range;  // near plane; clip_from_camera[2][2] and [3][2]; minimum depth of clip space
+uniform float farthest;  // maximum depth
+uniform float gain;  // factor of the colours
 flat out vec4 color;
 out vec2 away;  // distance from the centre, in units of sqrt(A)
 
@@ -270,7 +272,7 @@ void main() {
   vec3 seen = vec3(dot(about(item, ROW_X), position), dot(about(item, ROW_Y), position),
                    dot(about(item, ROW_Z), position));
   float depth = -seen.z, spacing = texelFetch(spacings, texel).r * scale.x;
-  if (!(alpha >= LEAST_ALPHA && depth > depth_range.x && depth > spacing)) return;
+  if (!(alpha >= LEAST_ALPHA && depth > depth_range.x && depth <= farthest && depth > spacing)) return;
   float near = 1.0 / depth, pixels = sqrt(lens.x * lens.y) * near;
   float area = FOOTPRINT * spacing * spacing * pixels * pixels;
   if (area < LEAST_AREA) {
@@ -281,7 +283,7 @@ void main() {
   vec3 normal = normal_of(code);
   vec3 turned = vec3(dot(about(item, NORMAL_X).xyz, normal), dot(about(item, NORMAL_Y).xyz, normal),
                      dot(about(item, NORMAL_Z).xyz, normal));
-  color = vec4(shade(item, color_of(item, place.index, code, normal), seen, turned), alpha);
+  color = vec4(shade(item, color_of(item, place.index, code, normal), seen, turned) * gain, alpha);
   away = (vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0) * CUT;
   vec2 center = seen.xy * near * lens.xy + straight;  // pixels from the middle of the viewport
   gl_Position.xy = (center + away * sqrt(area)) * 2.0 / lens.zw;

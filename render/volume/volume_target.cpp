@@ -30,6 +30,34 @@ GLenum target_of(int samples) { return samples > 1 ? GL_TEXTURE_2D_MULTISAMPLE :
 
 }  // namespace
 
+std::vector<BlendedPart> growing_parts(const PreparedSplats& splats) {
+  std::vector<BlendedPart> parts;
+  for (std::size_t first = 0; first < splats.total;) {
+    // 4 parts of 1/16, 2 of 1/8, then 1/4.
+    const std::size_t share = parts.size() < 4   ? 16
+                              : parts.size() < 6 ? 8
+                                                 : 4,
+                      count = std::min(splats.total - first, std::max(kLeastRange, (splats.total + share - 1) / share));
+    parts.push_back({&splats, {first, count}});
+    first += count;
+  }
+  return parts;
+}
+
+std::vector<BlendedPart> parts_in_slabs(const std::array<const PreparedSplats*, 2>& contents,
+                                        std::span<const DepthSlab> slabs) {
+  std::vector<BlendedPart> parts;
+  for (const DepthSlab& slab : slabs) {
+    const PreparedSplats& splats = *contents[slab.content];
+    SplatRange range;
+    range.count = splats.total;
+    range.nearest = slab.nearest;
+    range.farthest = std::min(slab.farthest, range.farthest);
+    parts.push_back({&splats, range});
+  }
+  return parts;
+}
+
 VolumeTarget::VolumeTarget(const Gl& gl) : gl_(gl), no_attributes_(make_vertex_array(gl)) {}
 
 VolumeTarget::Bound VolumeTarget::bound() const {
@@ -356,20 +384,17 @@ void VolumeTarget::close_opaque(const Projection& projection) {
   gl_.BindFramebuffer(GL_FRAMEBUFFER, (several ? layer_ : framebuffer_).name());
 }
 
-/// Draws all splats into the bound layer, from near to far.
-void VolumeTarget::blend_ranges(const Projection& projection, std::size_t total,
-                                const std::function<void(const SplatRange&)>& draw, float gain) {
-  // Near splats make many pixels opaque, so the first ranges are small: 4 of 1/16, 2 of 1/8, then 1/4.
-  std::size_t first = 0;
-  for (unsigned range = 0; first < total; ++range) {
-    if (range > 0) close_opaque(projection);
-    const std::size_t parts = range < 4   ? 16
-                              : range < 6 ? 8
-                                          : 4,
-                      count = std::min(total - first, std::max(kLeastRange, (total + parts - 1) / parts));
+/// Draws parts of splats into the bound layer, from near to far.
+void VolumeTarget::blend_parts(const Projection& projection, std::span<const BlendedPart> parts, float gain) {
+  bool first = true;
+  for (const BlendedPart& part : parts) {
+    if (part.range.count == 0) continue;
+    if (!first) close_opaque(projection);
+    first = false;
     begin_blending(projection, true);
-    draw({first, count, true, gain});
-    first += count;
+    SplatRange range = part.range;
+    range.gain = gain;
+    part.splats->draw(range);
   }
 }
 
@@ -408,14 +433,14 @@ bool VolumeTarget::prepare(const TargetRectangle& r, bool several) {
   return make_programs(several) && copy_depth(outer_, r, !several) && (!several || make_layer(r.width, r.height));
 }
 
-void VolumeTarget::blend(const TargetRectangle& r, const Projection& projection, std::size_t total,
-                         const std::function<void(const SplatRange&)>& draw, float gain) {
+void VolumeTarget::blend(const TargetRectangle& r, const Projection& projection, std::span<const BlendedPart> parts,
+                         float gain) {
   if (r.width < 1 || r.height < 1) return;
   outer_ = bound();
   GLint samples = 0;
   gl_.GetIntegerv(GL_SAMPLES, &samples);
   const bool several = samples > 1, ready = prepare(r, several);
-  const auto blend_layer = [&] { blend_ranges(projection, total, draw, 1 / gain); };
+  const auto blend_layer = [&] { blend_parts(projection, parts, 1 / gain); };
   if (ready && several) {
     draw_several(r, projection, blend_layer, gain);
   } else if (ready) {
@@ -430,7 +455,12 @@ void VolumeTarget::blend(const TargetRectangle& r, const Projection& projection,
   gl_.Scissor(r.x, r.y, r.width, r.height);
   if (!ready) {
     begin_blending(projection, false);
-    draw({0, total, false, 1});
+    for (std::size_t i = parts.size(); i-- > 0;) {
+      SplatRange range = parts[i].range;
+      range.first = parts[i].splats->total - range.first - range.count;
+      range.near_first = false;
+      if (range.count > 0) parts[i].splats->draw(range);
+    }
   }
   gl_.DepthMask(GL_TRUE);
   gl_.Disable(GL_DEPTH_TEST);

@@ -2,12 +2,15 @@
 
 #include "render/gl/gpu.h"
 #include "render/scene/camera.h"
+#include "render/volume/layers_together.h"
 #include "render/volume/volume_raster.h"
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
+#include <span>
 #include <vector>
 
 namespace gs::render {
@@ -28,6 +31,8 @@ struct SplatRange {
   std::size_t first = 0, count = 0;  // places in the order
   bool near_first = true;            // the order begins with the nearest splat, else with the farthest
   float gain = 1;                    // factor of the colours
+  /// Bounds of the depths: splats up to `nearest` and beyond `farthest` are not drawn.
+  float nearest = 0, farthest = std::numeric_limits<float>::max();
 };
 
 /// View of splats that are blended.
@@ -42,6 +47,23 @@ struct BlendedSplats {
   std::size_t vectors = 0;  // splats in view; estimated if there are many
   bool pending = false;     // the order is that of an earlier view: draw again
 };
+/// Splats that are in an order and in memory of OpenGL. Valid until their owner prepares others.
+struct PreparedSplats {
+  BlendedSplats found;
+  std::size_t total = 0;  // number of splats in the order; 0 if none is in view
+  std::function<void(const SplatRange&)> draw;
+};
+/// Part of splats that is drawn at once. The order begins with the nearest splat.
+struct BlendedPart {
+  const PreparedSplats* splats = nullptr;
+  SplatRange range;
+};
+
+/// Returns all splats of both contents in slabs of depth.
+[[nodiscard]] std::vector<BlendedPart> parts_in_slabs(const std::array<const PreparedSplats*, 2>& contents,
+                                                      std::span<const DepthSlab> slabs);
+/// Returns all splats in ranges. Near splats make many pixels opaque, so the first ranges are small.
+[[nodiscard]] std::vector<BlendedPart> growing_parts(const PreparedSplats& splats);
 
 /// Render target for splats that are blended in the order of their depths: volumes and Gaussians. Copies the depth of
 /// the framebuffer that is bound for drawing. Its image has 16 bits per channel and one sample per pixel. Runs on the
@@ -56,17 +78,17 @@ class VolumeTarget {
   /// Reads the depth of an image that was drawn with `projection`. Returns false if the context does not support this.
   bool read_depths(const TargetRectangle& rectangle, const Projection& projection, TargetDepths& depths);
 
-  /// Blends `total` splats of premultiplied colours over the rectangle of the framebuffer, behind its depths. Calls
-  /// `draw` for ranges of splats, in the order of their distances. Draws into a layer, from near to far, and composites
-  /// it. Between two ranges, excludes the pixels that are opaque. `gain` multiplies the colours of the layer.
+  /// Blends splats of premultiplied colours over the rectangle of the framebuffer, behind its depths. `parts` begin
+  /// with the nearest one. Draws them into a layer, and composites it. Between two parts, excludes the pixels that are
+  /// opaque. `gain` multiplies the colours of the layer.
   ///
   /// With multisampling, the layer has the depth of the farthest sample of each pixel. If the samples of some pixels
   /// belong to different surfaces, draws again for these pixels, with the depths of their nearest samples. The result
   /// then covers the samples that are nearer than the middle of both depths, as in VolumeOverlay.
   ///
   /// If the context does not support layers, draws all splats from far to near, without gain.
-  void blend(const TargetRectangle& rectangle, const Projection& projection, std::size_t total,
-             const std::function<void(const SplatRange&)>& draw, float gain = 1);
+  void blend(const TargetRectangle& rectangle, const Projection& projection, std::span<const BlendedPart> parts,
+             float gain = 1);
 
  private:
   struct Bound {
@@ -86,8 +108,7 @@ class VolumeTarget {
   bool prepare(const TargetRectangle& rectangle, bool several);
   Framebuffer closing_for(const Texture& depth, bool stencil) const;
   void begin_blending(const Projection& projection, bool near_first);
-  void blend_ranges(const Projection& projection, std::size_t total, const std::function<void(const SplatRange&)>& draw,
-                    float gain);
+  void blend_parts(const Projection& projection, std::span<const BlendedPart> parts, float gain);
   void close_opaque(const Projection& projection);
   void draw_several(const TargetRectangle& rectangle, const Projection& projection,
                     const std::function<void()>& blend_layer, float gain);

@@ -1,18 +1,21 @@
 #!/usr/bin/env python3
 """Checks ghostspace-mpi: equal bytes for every number of ranks, ends of ranks at any moment, and --resume.
 
-usage: mpi_check.py [--kills N] [--seed S] [--volume FILE] [--mesh FILE] [--grid FILE] [--splats COUNT] [PROGRAM]
+usage: mpi_check.py [--kills N] [--seed S] [--volume FILE] [--mesh FILE] [--grid FILE] [--splats COUNT] [--late]
+                    [PROGRAM]
 
 PROGRAM is ghostspace, or $GHOSTSPACE, or build/release/ghostspace; ghostspace-mpi is beside it. --kills ends a random
 rank at N random moments (usually 2) of encoding a volume, a mesh and a grid each. --volume, --mesh and --grid encode
 these files instead of small ones in these runs. --splats also encodes that many Gaussian splats, which takes minutes:
-more than 500,000 are divided. Skips all checks, with a message, if mpirun or ghostspace-mpi is missing.
+more than 500,000 are divided. --late ends ranks only in the last third of a run, which shows the time that --resume
+saves. Skips all checks, with a message, if mpirun or ghostspace-mpi is missing.
 """
 
 import argparse
 import array
 import base64
 import hashlib
+import json
 import math
 import os
 import random
@@ -29,6 +32,7 @@ options = argparse.ArgumentParser(usage=__doc__)
 options.add_argument("--kills", type=int, default=2)
 options.add_argument("--seed", type=int, default=1)
 options.add_argument("--splats", type=int, default=0)
+options.add_argument("--late", action="store_true")
 for kind in ("volume", "mesh", "grid"):
     options.add_argument("--" + kind)
 options.add_argument("program", nargs="?", default=os.environ.get("GHOSTSPACE", "build/release/ghostspace"))
@@ -42,6 +46,7 @@ ENVIRONMENT = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROO
 failures = 0
 interrupted = 0
 hanging = 0  # ends after which mpirun did not end
+resumed = []  # processor seconds of the busiest rank of each run with --resume
 
 
 def check(name, good, detail=""):
@@ -178,6 +183,86 @@ def write_pieces(path, size, pieces):
                    "".join('<Piece Source="%s"/>' % name for name in names))
 
 
+def write_exodus(path, size):
+    """Writes two blocks of hexahedra with a variable at nodes as Exodus II, in a classic NetCDF file."""
+    nx, ny, nz = size
+    axes, heat = (array.array("d"), array.array("d"), array.array("d")), array.array("d")
+    for z in range(nz + 1):
+        for y in range(ny + 1):
+            for x in range(nx + 1):
+                for axis, place in zip(axes, (x + 0.2 * math.sin(y), y, z + 0.001 * x * x)):
+                    axis.append(place)
+                heat.append(math.sin(x / 9) * math.cos(z / 7) + y / 50)
+    row, layer = nx + 1, (nx + 1) * (ny + 1)
+    blocks = (array.array("i"), array.array("i"))
+    for z in range(nz):
+        for y in range(ny):
+            for x in range(nx):
+                if (x // 5 + y // 7 + z // 3) % 13:
+                    at = 1 + z * layer + y * row + x
+                    blocks[2 * z // nz].extend((at, at + 1, at + row + 1, at + row, at + layer, at + layer + 1,
+                                                at + layer + row + 1, at + layer + row))
+    char, integer, real, double = 2, 4, 5, 6
+    text = lambda name: struct.pack(">I", len(name)) + name.encode() + bytes(-len(name) % 4)
+    attribute = lambda name, kind, count, values: text(name) + struct.pack(">II", kind, count) + values + bytes(-len(values) % 4)
+    lists = lambda tag, items: struct.pack(">II", tag if items else 0, len(items)) + b"".join(items)
+    dimensions = [("nodes", len(heat)), ("corners", 8), ("name", 33), ("variables", 1), ("steps", 1),
+                  ("cells1", len(blocks[0]) // 8), ("cells2", len(blocks[1]) // 8)]
+    element = [attribute("elem_type", char, 4, b"HEX8")]
+    arrays = [("coord" + name, double, [0], [], axis) for name, axis in zip("xyz", axes)]
+    arrays += [("connect%d" % (i + 1), integer, [5 + i, 1], element, block) for i, block in enumerate(blocks)]
+    arrays += [("name_nod_var", char, [3, 2], [], b"heat".ljust(33, b"\0")), ("vals_nod_var1", double, [4, 0], [], heat),
+               ("time_whole", double, [4], [], array.array("d", [0]))]
+    data = []
+    for _, _, _, _, values in arrays:
+        if isinstance(values, array.array) and sys.byteorder == "little":
+            values.byteswap()
+        data.append(bytes(values) + bytes(-len(bytes(values)) % 4))
+
+    def header(begin):
+        out = b"CDF\x02" + struct.pack(">I", 0) + lists(10, [text(name) + struct.pack(">I", n) for name, n in dimensions])
+        out += lists(12, [attribute("api_version", real, 1, struct.pack(">f", 4.9))])
+        items = []
+        for (name, kind, dims, own, _), values in zip(arrays, data):
+            items.append(text(name) + struct.pack(">%dI" % (1 + len(dims)), len(dims), *dims) + lists(12, own) +
+                         struct.pack(">IIQ", kind, len(values), begin))
+            begin += len(values)
+        return out + lists(11, items)
+
+    with open(path, "wb") as file:
+        file.write(header(len(header(0))) + b"".join(data))
+
+
+def write_vtkhdf(path, size, parts):
+    """Writes warped hexahedra with holes in several parts. Returns False without h5py."""
+    try:
+        import h5py
+        import numpy
+    except ImportError:
+        return False
+    nx, ny, nz = size
+    z, y, x = (a.ravel() for a in numpy.mgrid[:nz + 1, :ny + 1, :nx + 1])
+    heat = numpy.sin(x / 9) * numpy.cos(z / 7) + y / 50
+    k, j, i = (a.ravel() for a in numpy.mgrid[:nz, :ny, :nx])
+    row, layer = nx + 1, (nx + 1) * (ny + 1)
+    at = (k * layer + j * row + i)[(i // 5 + j // 7 + k // 3) % 13 != 0]
+    cells = at[:, None] + numpy.array([0, 1, row + 1, row, layer, layer + 1, layer + row + 1, layer + row])
+    with h5py.File(path, "w") as file:
+        grid = file.create_group("VTKHDF")
+        grid.attrs["Version"] = [2, 0]
+        grid.attrs["Type"] = numpy.bytes_("UnstructuredGrid")
+        for name, number in (("Points", len(heat)), ("Cells", len(cells)), ("ConnectivityIds", cells.size)):
+            grid["NumberOf" + name] = [number] * parts
+        points = numpy.stack([x + 0.2 * numpy.sin(y), y, z + 0.001 * x * x], -1)
+        grid.create_dataset("Points", data=numpy.concatenate([points + (0, 0, nz * p) for p in range(parts)]).astype("f4"),
+                            chunks=(4096, 3), compression="gzip")
+        grid["Connectivity"] = numpy.tile(cells.ravel(), parts)
+        grid["Offsets"] = numpy.tile(numpy.arange(0, cells.size + 1, 8), parts)
+        grid["Types"] = numpy.full(len(cells) * parts, 12, "u1")
+        grid["PointData/heat"] = numpy.tile(heat, parts)
+    return True
+
+
 def write_splats(path, count):
     names = ["x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1",
              "rot_2", "rot_3"]
@@ -206,6 +291,11 @@ def equal_bytes(folder, name, source, extra, counts):
         check("%s: %d ranks leave no other file" % (name, ranks), not os.path.exists(out + ".parts"))
 
 
+def processor_seconds(output):
+    """Returns the processor time of the busiest rank, as --json states it."""
+    return max(rank["cpu_seconds"] for rank in json.loads(output)["ranks"])
+
+
 def ranks_of(launcher):
     found = []
     for pid in os.listdir("/proc"):
@@ -229,7 +319,7 @@ def end_a_rank(folder, source, extra, expected, longest, chance):
     os.unlink(out)
     running = subprocess.Popen(mpirun(3, ["encode", source, out] + extra), env=ENVIRONMENT, stdout=subprocess.PIPE,
                                stderr=subprocess.PIPE, text=True)
-    time.sleep(chance.uniform(0, longest))
+    time.sleep(chance.uniform(longest * 2 / 3 if options.late else 0, longest))
     ranks = ranks_of(running.pid)
     if ranks and running.poll() is None:
         try:
@@ -259,9 +349,10 @@ def end_a_rank(folder, source, extra, expected, longest, chance):
     if whole and running.returncode == 0:
         return None
     interrupted += 1
-    made = run(mpirun(chance.choice((2, 3, 4)), ["encode", source, out, "--resume"] + extra))
+    made = run(mpirun(3 if options.late else chance.choice((2, 3, 4)), ["encode", source, out, "--resume"] + extra))
     if made.returncode != 0:
         return "the second run failed: " + made.stderr + errors
+    resumed.append(processor_seconds(made.stdout))
     if sum_of(out) != expected:
         return "--resume gave other bytes"
     return "the folder of the parts is left" if os.path.exists(out + ".parts") else None
@@ -293,12 +384,14 @@ def full_disk(folder, source):
 def end_ranks(folder, name, source, extra, chance):
     global interrupted
     expected_file = folder + "/expected.qnv"
+    extra = extra + ["--json"]
     begin = time.time()
     made = run(mpirun(3, ["encode", source, expected_file] + extra))
     longest = time.time() - begin
     expected = sum_of(expected_file)
     check(name + ": encode without an end", made.returncode == 0, made.stderr)
     interrupted = 0
+    resumed.clear()
     problems = []
     for i in range(options.kills):
         problem = end_a_rank(folder, source, extra, expected, longest, chance)
@@ -306,6 +399,9 @@ def end_ranks(folder, name, source, extra, chance):
             problems.append("end %d: %s" % (i, problem))
     check("%s: %d ends of a rank (%d before the end of the run) leave no half file, and --resume gives the same bytes" %
           (name, options.kills, interrupted), not problems, "; ".join(problems))
+    if resumed:
+        print("note    %s: processor time of the busiest rank %.1f s; with --resume %.1f s on average (%.1f to %.1f s)" %
+              (name, processor_seconds(made.stdout), sum(resumed) / len(resumed), min(resumed), max(resumed)), flush=True)
 
 
 def main():
@@ -314,11 +410,13 @@ def main():
         return
     folder = tempfile.mkdtemp(prefix="ghostspace-mpi-")
     try:
-        volume, floats, mesh, grid, large, rough, large_grid, packed_grid, pieces, splats = (
-            folder + "/" + name for name in ("v.nrrd", "f.nrrd", "m.stl", "g.vtu", "large.stl", "rough.stl", "large.vtu",
-                                             "packed.vtu", "pieces.pvtu", "splats.ply"))
+        volume, floats, flat, mesh, grid, large, rough, large_grid, packed_grid, pieces, exodus, vtkhdf, splats = (
+            folder + "/" + name for name in ("v.nrrd", "f.nrrd", "flat.nrrd", "m.stl", "g.vtu", "large.stl", "rough.stl",
+                                             "large.vtu", "packed.vtu", "pieces.pvtu", "grid.e", "grid.vtkhdf",
+                                             "splats.ply"))
         write_volume(volume, (40, 36, 140), "short")
         write_volume(floats, (24, 30, 75), "float", gaps=True)
+        write_volume(flat, (2112, 520, 2), "short")
         write_mesh(mesh)
         write_grid(grid)
         write_mesh(large, 260)
@@ -326,9 +424,11 @@ def main():
         write_large_grid(large_grid, (60, 60, 60))
         write_large_grid(packed_grid, (60, 60, 60), packed=True)
         write_pieces(pieces, (60, 60, 30), 3)
+        write_exodus(exodus, (60, 60, 50))
         # These meshes and grids have three runs or more, and exceed the memory of a process.
         little = ["--memory", "64M"]
         equal_bytes(folder, "volume", volume, [], (1, 2, 3, 4))
+        equal_bytes(folder, "volume of two slices", flat, [], (3,))
         equal_bytes(folder, "lossless floats with missing voxels", floats, ["--lossless"], (3,))
         equal_bytes(folder, "limited size", volume, ["--max-bytes", "30000"], (3,))
         equal_bytes(folder, "mesh", mesh, [], (3,))
@@ -341,6 +441,11 @@ def main():
         equal_bytes(folder, "octree of a grid that exceeds memory", large_grid, octree, (2,))
         equal_bytes(folder, "compressed grid that exceeds memory", packed_grid, octree, (3,))
         equal_bytes(folder, "grid in pieces that exceeds memory", pieces, octree, (2, 4))
+        equal_bytes(folder, "Exodus grid that exceeds memory", exodus, octree, (1, 3))
+        if write_vtkhdf(vtkhdf, (60, 60, 25), 2):
+            equal_bytes(folder, "VTKHDF grid that exceeds memory", vtkhdf, octree, (1, 3))
+        else:
+            print("skipped: a VTKHDF grid; this Python has no h5py")
         if options.splats > 0:
             write_splats(splats, options.splats)
             equal_bytes(folder, "%d splats" % options.splats, splats, [], (1, 2, 3, 4))
@@ -364,6 +469,8 @@ def main():
         for name, source, extra in (("volume", options.volume or volume, []), ("mesh", options.mesh or large, little),
                                     ("grid", options.grid or large_grid, little)):
             end_ranks(folder, name, source, extra if source in (large, volume, large_grid) else [], chance)
+        if options.splats > 0:
+            end_ranks(folder, "splats", splats, [], chance)
         if hanging:
             print("note    mpirun itself did not end %d times, although all ranks had ended" % hanging)
     finally:

@@ -7,9 +7,8 @@
 #include "qnv/codecs/values/bricks/brick_volume.h"
 #include "qnv/reader/loss.h"
 #include "qnv/reader/stream_decoder.h"
-#include "qnv/sampling/volume/volume_values.h"
 #include "tests/fuzz/fuzz_target.h"
-#include "tests/fuzz/stream_bytes.h"
+#include "tests/fuzz/qnv_targets.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,40 +18,6 @@ using namespace gs::qnv;
 
 namespace gs::fuzz {
 namespace {
-
-constexpr std::size_t kMaxVectors = 1 << 18;
-
-std::vector<std::uint8_t> with_checksums(std::span<const std::byte> bytes) {
-  std::vector<std::uint8_t> mended(bytes.size());
-  std::transform(bytes.begin(), bytes.end(), mended.begin(),
-                 [](std::byte b) { return std::to_integer<std::uint8_t>(b); });
-  mend_checksums(mended);
-  return mended;
-}
-
-void check_sound(const Geometry& geometry) {
-  const VectorView vectors(geometry);
-  require(vectors.normals.size() == vectors.size() && vectors.weights.size() == vectors.size());
-  require(vectors.colors.empty() || vectors.colors.size() == vectors.size());
-  require(vectors.classes.empty() || vectors.classes.size() == vectors.size());
-  require(vectors.cells.empty() || vectors.cells.size() == vectors.size());
-  for (const float weight : vectors.weights) require(weight > 0 && std::isfinite(weight));
-  for (const glm::vec3& p : vectors.positions) require(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
-  if (const auto* splats = geometry.as<Gaussians>()) {
-    const std::size_t n = splats->size();
-    require(splats->scales.size() == n && splats->rotations.size() == n && splats->opacities.size() == n);
-    require(splats->bases.size() == n && splats->harmonics.size() == n * harmonic_count(splats->degree));
-    for (const glm::vec4& q : splats->rotations)
-      require(std::abs(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w - 1) < 1e-3f);
-    for (const glm::vec3& s : splats->scales) require(s.x >= s.y && s.y >= s.z && s.z >= 0 && std::isfinite(s.x));
-    for (const glm::vec3& c : splats->bases) require(std::isfinite(c.x + c.y + c.z));
-    for (const float opacity : splats->opacities) require(opacity > 0 && opacity <= 1);
-  }
-  const auto* mesh = geometry.as<IndexedMesh>();
-  if (!mesh) return;
-  require(mesh->triangles.size() % 3 == 0);
-  for (const std::uint32_t vertex : mesh->triangles) require(vertex < mesh->size());
-}
 
 // Passes all bytes at once to one decoder, and in pieces to another. The results must be equal.
 template <class Decoder>
@@ -248,8 +213,8 @@ bool run_bricks(std::span<const std::byte> bytes) {
   (void)look_at(**bricks);
   for (const ChunkRange& range : (*bricks)->wanted())
     if (range.offset < sound.size() && range.bytes <= sound.size() - range.offset)
-      (void)(*bricks)->add(range.offset, sound.subspan(static_cast<std::size_t>(range.offset),
-                                                       static_cast<std::size_t>(range.bytes)));
+      (void)(*bricks)->add(
+          range.offset, sound.subspan(static_cast<std::size_t>(range.offset), static_cast<std::size_t>(range.bytes)));
   (void)look_at(**bricks);
   return taken;
 }
@@ -260,7 +225,8 @@ std::vector<FuzzTarget> fuzz_targets() {
   return {{"streams", run_stream, 16384},
           {"levels", run_levels, 16384},
           {"drawn", run_drawn, 16384},
-          {"bricks", run_bricks, 16384}};
+          {"bricks", run_bricks, 16384},
+          {"gaussians", run_gaussians, 24576}};
 }
 
 }  // namespace gs::fuzz

@@ -322,8 +322,7 @@ std::optional<OpenedInput> open_grid_in_parts(const InputOptions& options, const
   if (!grid) return std::nullopt;
   const ContentType& type = content_type_of(local, first_bytes(file->bytes()));
   OpenedInput input{{}, std::string(type.name), file_name(local), file->bytes().size(), {}, {}, file};
-  for (const VtkPartFile& part : grid->files.files)
-    if (!part.path.empty()) input.bytes += part.size;
+  input.bytes += static_cast<std::size_t>(grid->other_bytes);
   input.upright = upright_of(type.up, glm::vec3(0));
   input.content = std::move(*grid);
   return input;

@@ -170,6 +170,8 @@ std::variant<qnv::EncodedStream, EncodeError> encode_grid(const ConversionOption
   qnv::EncodeRanks shared(pieces);
   auto surface = grid_surface(std::get<LargeGrid>(input.content), shared, options.limits.memory, &progress.whole());
   if (auto* problem = std::get_if<EncodeError>(&surface)) return std::move(*problem);
+  if (const std::string& omitted = std::get<MeshStream>(surface).omitted; !omitted.empty() && shared.rank() == 0)
+    complain("%s: warning: %s", options.files.front().c_str(), omitted.c_str());
   const OpenedInput made{std::move(std::get<MeshStream>(surface)),
                          input.type,
                          input.title,

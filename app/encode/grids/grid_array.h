@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/encode/grids/grid_numbers.h"
 #include "app/formats/volume/vtk_xml.h"
 #include "net/files/file.h"
 
@@ -16,7 +17,7 @@ namespace gs::app {
 
 /// Array of a VTK XML file, read in parts: raw or base64, appended or inline, plain or compressed by zlib. Keeps a few
 /// blocks in memory. One thread.
-class GridArray {
+class GridArray final : public GridNumbers {
  public:
   /// Opens an array of at least `numbers` numbers. Returns a message on failure, also for text and other compression.
   /// Safe for untrusted files: memory is bounded by the table of blocks (32 MB) and by a few blocks of at most 16 MB.
@@ -24,10 +25,8 @@ class GridArray {
                                                                  const VtkXmlHeader& header, const VtkArray& array,
                                                                  std::uint64_t numbers);
 
-  /// Reads consecutive numbers. Returns false if the file is damaged.
-  [[nodiscard]] bool read(std::uint64_t first, std::span<double> to);
-  /// Returns the number of numbers that may be read.
-  [[nodiscard]] std::uint64_t size() const { return numbers_; }
+  [[nodiscard]] bool read(std::uint64_t first, std::span<double> to) override;
+  [[nodiscard]] std::uint64_t size() const override { return numbers_; }
 
  private:
   /// Decompressed bytes of a block.

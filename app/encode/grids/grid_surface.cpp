@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <memory>
 #include <string>
@@ -35,6 +36,47 @@ struct StoredTriangles {
   std::uint64_t offset = 0, count = 0;
 };
 
+/// Numbers of cells that a surface cannot show.
+struct OmittedCells {
+  std::uint64_t lines = 0;     // lines and vertices
+  std::uint64_t unknown = 0;   // of unsupported types
+  std::uint64_t short_of = 0;  // without all of their corners
+
+  void add(const OmittedCells& other) {
+    lines += other.lines;
+    unknown += other.unknown;
+    short_of += other.short_of;
+  }
+  /// Returns a text that names all numbers above 0. Returns an empty text if there are none.
+  [[nodiscard]] std::string text() const {
+    std::string text;
+    const auto name = [&](std::uint64_t count, const char* what) {
+      if (count > 0) text += (text.empty() ? "" : ", ") + std::to_string(count) + what;
+    };
+    name(lines, " lines and vertices");
+    name(unknown, " cells of unsupported types");
+    name(short_of, " cells without all of their corners");
+    return text.empty() ? text : text + " are left out; the surface has the faces of the other cells";
+  }
+};
+
+/// Result of a run that is recorded for later runs of the program.
+struct FinishedRun {
+  StoredTriangles triangles;
+  Box box;
+  OmittedCells omitted;
+};
+
+/// Returns a record if the bytes have its size.
+template <class Record>
+std::optional<Record> finished_record(const std::optional<std::vector<std::byte>>& bytes) {
+  static_assert(std::is_trivially_copyable_v<Record>);
+  if (!bytes || bytes->size() != sizeof(Record)) return std::nullopt;
+  Record record;
+  std::memcpy(static_cast<void*>(&record), bytes->data(), sizeof record);
+  return record;
+}
+
 /// Ranges of the shown values and of wide coordinates.
 struct GridRanges {
   float low = std::numeric_limits<float>::infinity(), high = -std::numeric_limits<float>::infinity();
@@ -54,30 +96,102 @@ class RunTriangles {
                const std::optional<ColorKey>& key, bool shows, const glm::dvec3& origin)
       : part_(part), run_(run), cells_(cells), key_(key), shows_(shows), origin_(origin) {}
 
-  /// Adds a polygon as a fan. Skips polygons with missing or non-finite corners. Returns false if the file is damaged.
-  bool add(std::span<const std::int32_t> corners, std::size_t cell) {
-    if (corners.size() < 3) return true;
-    places_.clear();
-    colors_.clear();
-    const bool by_cell = part_.has_values() && !part_.of_points();
+  /// Adds a polygon.
+  void add(std::span<const std::int32_t> corners, std::size_t cell) {
+    if (corners.size() < 3) return;
+    corners_.insert(corners_.end(), corners.begin(), corners.end());
+    polygons_.push_back({corners_.size(), cell});
+  }
+
+  /// Adds the polygons and strips. Counts the cells that the surface cannot show.
+  void add_flat() {
+    for (std::size_t i = 0; i < cells_.types.size(); ++i) {
+      const GridShape shape = grid_shape(cells_.types[i]);
+      auto corners = cells_.cell(i);
+      const bool hidden = cells_.types[i] == 0;
+      if (shape.as == GridShape::As::nothing)
+        omitted.unknown += hidden ? 0 : 1;
+      else if (corners.size() < shape.corners)
+        ++omitted.short_of;
+      else if (shape.as == GridShape::As::line || shape.as == GridShape::As::vertices)
+        ++omitted.lines;
+      if (corners.size() < shape.corners) continue;
+      if (!shape.any_number) corners = corners.first(shape.corners);
+      if (shape.as == GridShape::As::polygon) {
+        add(corners, i);
+      } else if (shape.as == GridShape::As::pixel) {
+        add(std::array{corners[0], corners[1], corners[3], corners[2]}, i);
+      } else if (shape.as == GridShape::As::strip) {
+        for (std::size_t k = 2; k < corners.size(); ++k)
+          add(std::array{corners[k % 2 == 1 ? k - 1 : k - 2], corners[k % 2 == 1 ? k - 2 : k - 1], corners[k]}, i);
+      }
+    }
+  }
+
+  /// Makes the triangles of all polygons, as fans. Skips polygons with missing or non-finite corners. Returns false if
+  /// the file is damaged.
+  bool make() {
+    if (!read_points()) return false;
+    std::size_t begin = 0;
+    for (const Polygon& polygon : polygons_) {
+      if (!make(std::span(corners_).subspan(begin, polygon.end - begin), polygon.cell)) return false;
+      begin = polygon.end;
+    }
+    return true;
+  }
+
+  std::vector<StoredTriangle> triangles;
+  Box box;
+  OmittedCells omitted;
+
+ private:
+  struct Polygon {
+    std::size_t end = 0, cell = 0;  // end in `corners_`
+  };
+  /// Point of the polygons.
+  struct Point {
+    glm::vec3 place{0};
+    qnv::Rgb8 color;
+  };
+
+  [[nodiscard]] bool by_cell() const { return part_.has_values() && !part_.of_points(); }
+
+  /// Reads the points of all polygons in ascending order. So each block of a compressed array is unpacked once in a
+  /// run, even if cells use the points in any order.
+  bool read_points() {
+    numbers_ = corners_;
+    std::erase(numbers_, kBadIndex);
+    std::ranges::sort(numbers_);
+    numbers_.erase(std::unique(numbers_.begin(), numbers_.end()), numbers_.end());
+    points_.resize(numbers_.size());
+    for (std::size_t i = 0; i < numbers_.size(); ++i) {
+      std::array<double, 3> place{};
+      if (!part_.positions(static_cast<std::uint64_t>(numbers_[i]), place)) return false;
+      points_[i].place = glm::vec3(glm::dvec3(place[0], place[1], place[2]) - origin_);
+      points_[i].color = shows_ ? kWithoutValues : kPlain;
+    }
+    if (by_cell() || !part_.has_values()) return true;
+    for (std::size_t i = 0; i < numbers_.size(); ++i)
+      if (!color_of(static_cast<std::uint64_t>(numbers_[i]), points_[i].color)) return false;
+    return true;
+  }
+
+  bool make(std::span<const std::int32_t> corners, std::size_t cell) {
     qnv::Rgb8 color = shows_ ? kWithoutValues : kPlain;
-    if (by_cell && !color_of(run_.first + cell, color)) return false;
+    if (by_cell() && !color_of(run_.first + cell, color)) return false;
+    fan_.clear();
     for (const std::int32_t corner : corners) {
       if (corner == kBadIndex) return true;
-      std::array<double, 3> place{};
-      if (!part_.positions(static_cast<std::uint64_t>(corner), place)) return false;
-      const glm::dvec3 at(place[0], place[1], place[2]);
-      places_.push_back(glm::vec3(at - origin_));
-      if (!finite(places_.back())) return true;
-      if (!by_cell && part_.has_values() && !color_of(static_cast<std::uint64_t>(corner), color)) return false;
-      colors_.push_back(color);
+      const auto found = std::ranges::lower_bound(numbers_, corner);
+      fan_.push_back(points_[static_cast<std::size_t>(found - numbers_.begin())]);
+      if (!finite(fan_.back().place)) return true;
+      if (by_cell()) fan_.back().color = color;
     }
-    for (std::size_t k = 2; k < corners.size(); ++k) {
+    for (std::size_t k = 2; k < fan_.size(); ++k) {
       StoredTriangle& made = triangles.emplace_back();
       const std::array<std::size_t, 3> from{0, k - 1, k};
       for (std::size_t i = 0; i < 3; ++i) {
-        const glm::vec3& p = places_[from[i]];
-        const qnv::Rgb8& c = colors_[from[i]];
+        const auto& [p, c] = fan_[from[i]];
         std::copy_n(&p.x, 3, made.places.begin() + static_cast<std::ptrdiff_t>(3 * i));
         made.colors[3 * i] = c.r;
         made.colors[3 * i + 1] = c.g;
@@ -88,32 +202,6 @@ class RunTriangles {
     return true;
   }
 
-  /// Adds the polygons and strips.
-  bool add_flat() {
-    for (std::size_t i = 0; i < cells_.types.size(); ++i) {
-      const GridShape shape = grid_shape(cells_.types[i]);
-      auto corners = cells_.cell(i);
-      if (corners.size() < shape.corners) continue;
-      if (!shape.any_number) corners = corners.first(shape.corners);
-      bool good = true;
-      if (shape.as == GridShape::As::polygon) {
-        good = add(corners, i);
-      } else if (shape.as == GridShape::As::pixel) {
-        good = add(std::array{corners[0], corners[1], corners[3], corners[2]}, i);
-      } else if (shape.as == GridShape::As::strip) {
-        for (std::size_t k = 2; k < corners.size() && good; ++k)
-          good =
-              add(std::array{corners[k % 2 == 1 ? k - 1 : k - 2], corners[k % 2 == 1 ? k - 2 : k - 1], corners[k]}, i);
-      }
-      if (!good) return false;
-    }
-    return true;
-  }
-
-  std::vector<StoredTriangle> triangles;
-  Box box;
-
- private:
   bool color_of(std::uint64_t row, qnv::Rgb8& color) {
     std::array<double, 3> value{};
     if (!part_.values(row, std::span(value).first(part_.width()))) return false;
@@ -133,28 +221,60 @@ class RunTriangles {
   const std::optional<ColorKey>& key_;
   bool shows_;  // the surface shows an array
   glm::dvec3 origin_;
-  std::vector<glm::vec3> places_;
-  std::vector<qnv::Rgb8> colors_;
+  std::vector<std::int32_t> corners_;  // of all polygons
+  std::vector<Polygon> polygons_;
+  std::vector<std::int32_t> numbers_;  // of the points, ascending
+  std::vector<Point> points_;          // one for each of `numbers_`
+  std::vector<Point> fan_;             // corners of one polygon
 };
 
 /// Maker of the surface of one grid.
 class GridSurfaceMaker {
  public:
   GridSurfaceMaker(const LargeGrid& grid, qnv::EncodeRanks& shared, std::uint64_t memory, Progress* progress)
-      : grid_(grid), shared_(shared), memory_(memory), progress_(progress), reader_(grid) {}
+      : grid_(grid),
+        shared_(shared),
+        memory_(memory),
+        progress_(progress),
+        reader_(grid),
+        own_(qnv::share_of(shared.ranks(), grid.runs.size())) {}
 
   std::variant<MeshStream, EncodeError> make() {
     begin_stage("reading", 3);
-    if (auto failed = shared_.agree(survey())) return std::move(*failed);
-    share_ranges();
-    auto found = outer_faces(grid_, shared_, memory_, progress_);
-    if (auto* const failed = std::get_if<EncodeError>(&found)) return std::move(*failed);
-    if (auto failed = shared_.agree(store_triangles(std::get<std::vector<OuterFace>>(found))))
-      return std::move(*failed);
+    if (auto failed = find_ranges()) return std::move(*failed);
+    make_key();
+    if (!restore_runs()) {
+      auto found = outer_faces(grid_, shared_, memory_, progress_);
+      if (auto* const failed = std::get_if<EncodeError>(&found)) return std::move(*failed);
+      if (auto failed = shared_.agree(store_triangles(std::get<std::vector<OuterFace>>(found))))
+        return std::move(*failed);
+    }
     return stream();
   }
 
  private:
+  [[nodiscard]] static std::string name_of(std::uint64_t run) { return "triangles " + std::to_string(run); }
+
+  /// Takes the triangles of this rank's runs that an earlier run of the program stored. Returns true if no rank lacks
+  /// any. Collective.
+  bool restore_runs() {
+    bool whole = true;
+    for (std::uint64_t run = own_.first; run < own_.end; ++run) {
+      finished_.push_back(finished_record<FinishedRun>(shared_.store().finished(name_of(run))));
+      whole = whole && finished_.back();
+    }
+    const std::byte own{whole ? std::uint8_t{0} : std::uint8_t{1}};
+    const std::vector<std::byte> missing = shared_.ranks().gather(std::span(&own, 1));
+    if (std::ranges::count(missing, std::byte{1}) > 0) return false;
+    for (const std::optional<FinishedRun>& run : finished_) take(*run);
+    return true;
+  }
+  void take(const FinishedRun& run) {
+    stored_.push_back(run.triangles);
+    box_.add(run.box);
+    omitted_.add(run.omitted);
+  }
+
   void begin_stage(const char* stage, std::uint64_t passes) {
     if (!progress_) return;
     progress_->stage = stage;
@@ -178,19 +298,21 @@ class GridSurfaceMaker {
       const auto [number, first] = work[static_cast<std::size_t>(i)];
       const auto opened = reader_.part(number);
       if (const auto* const problem = std::get_if<std::string>(&opened)) return EncodeError{*problem};
-      if (!survey_rows(*std::get<GridPartReader*>(opened), first))
-        return EncodeError{grid_.path_of(grid_.parts[number].file) + ": the arrays are damaged"};
+      const bool has_own_points = number == 0 || grid_.parts[number - 1].space != grid_.parts[number].space;
+      if (!survey_rows(*std::get<GridPartReader*>(opened), first, has_own_points))
+        return EncodeError{grid_.source->message(number, "the arrays are damaged")};
       if (progress_) progress_->done += kTogether;
     }
     return std::nullopt;
   }
 
-  bool survey_rows(GridPartReader& part, std::uint64_t first) {
+  /// Finds the ranges in at most kTogether points and cells. Points that an earlier part has, too, count there.
+  bool survey_rows(GridPartReader& part, std::uint64_t first, bool has_own_points) {
     const auto rows_from = [first](std::uint64_t count) {
       return static_cast<std::size_t>(std::min(kTogether, count - std::min(count, first)));
     };
     std::vector<double> numbers;
-    if (part.wide() && rows_from(part.part().points) > 0) {
+    if (part.wide() && has_own_points && rows_from(part.part().points) > 0) {
       numbers.resize(3 * rows_from(part.part().points));
       if (!part.positions(first, numbers)) return false;
       for (std::size_t i = 0; i < numbers.size(); i += 3) {
@@ -199,7 +321,7 @@ class GridSurfaceMaker {
       }
     }
     const std::size_t rows = rows_from(part.of_points() ? part.part().points : part.part().cells);
-    if (!part.has_values() || part.has_colors() || rows == 0) return true;
+    if (!part.has_values() || part.has_colors() || rows == 0 || (part.of_points() && !has_own_points)) return true;
     numbers.resize(rows);
     if (!part.values(first, numbers)) return false;
     for (const double number : numbers) {
@@ -211,35 +333,38 @@ class GridSurfaceMaker {
     return true;
   }
 
-  /// Makes the colour key and the origin from the ranges of all ranks. Collective.
-  void share_ranges() {
+  /// Finds the ranges of all ranks, or takes those of an earlier run of the program. Collective.
+  std::optional<EncodeError> find_ranges() {
+    constexpr const char* kRanges = "ranges";
+    if (const auto earlier = finished_record<GridRanges>(qnv::earlier_result(shared_, kRanges))) {
+      ranges_ = *earlier;
+      return std::nullopt;
+    }
+    if (auto failed = shared_.agree(survey())) return failed;
     const GridRanges own = ranges_;
     for (const GridRanges& one : qnv::gather_records<GridRanges>(shared_.ranks(), std::span(&own, 1))) ranges_.add(one);
-    if (!ranges_.box.empty()) origin_ = qnv::local_origin(ranges_.box);
-    const std::string title = this->title();
-    if (title.empty()) return;
-    std::vector<float> values;
-    if (ranges_.low <= ranges_.high) values = {ranges_.low, ranges_.high};
-    key_ = color_key_of_choice(values, title, grid_.choice);
+    return qnv::record_result(shared_, kRanges, std::as_bytes(std::span(&ranges_, 1)));
   }
 
-  /// Returns the title of the shown array in the first part with this array. Empty for colours, or without the array.
-  [[nodiscard]] std::string title() const {
-    const VtkShownArray& shown = grid_.files.shown;
-    for (const LargeGrid::Part& part : grid_.parts)
-      for (const VtkArray& array : grid_.files.files[part.file].header.arrays)
-        if (!shown.name.empty() && array.piece == part.piece && array.section == shown.section &&
-            array.name == shown.name)
-          return title_of_values(array, grid_.choice);
-    return {};
+  /// Makes the colour key and the origin from the ranges.
+  void make_key() {
+    if (!ranges_.box.empty()) origin_ = qnv::local_origin(ranges_.box);
+    if (grid_.title.empty()) return;
+    std::vector<float> values;
+    if (ranges_.low <= ranges_.high) values = {ranges_.low, ranges_.high};
+    key_ = color_key_of_choice(values, grid_.title, grid_.choice);
   }
 
   /// Stores the triangles of this rank's runs.
   std::optional<EncodeError> store_triangles(std::span<const OuterFace> outer) {
-    const qnv::RankShare own = qnv::share_of(shared_.ranks(), grid_.runs.size());
     auto next = outer.begin();
-    for (std::uint64_t number = own.first; number < own.end; ++number) {
+    for (std::uint64_t number = own_.first; number < own_.end; ++number) {
       if (is_cancelled(progress_)) return EncodeError{"cancelled"};
+      if (const auto& finished = finished_[static_cast<std::size_t>(number - own_.first)]) {
+        take(*finished);
+        while (next != outer.end() && next->run == number) ++next;
+        continue;
+      }
       const LargeGrid::Run& run = grid_.runs[static_cast<std::size_t>(number)];
       const auto opened = reader_.part(run.part);
       if (const auto* const problem = std::get_if<std::string>(&opened)) return EncodeError{*problem};
@@ -247,25 +372,25 @@ class GridSurfaceMaker {
       auto read = part.cells(run, most_run_corners(memory_));
       if (auto* const problem = std::get_if<std::string>(&read)) return EncodeError{std::move(*problem)};
       const GridRun& cells = std::get<GridRun>(read);
-      RunTriangles made(part, run, cells, key_, !grid_.files.shown.name.empty(), origin_);
-      bool good = made.add_flat();
-      for (; next != outer.end() && next->run == number && good; ++next) {
-        if (next->cell() >= cells.types.size())
-          return EncodeError{grid_.path_of(grid_.parts[run.part].file) +
-                             ": another program changed the file; encode it again"};
+      RunTriangles made(part, run, cells, key_, grid_.shows_values, origin_);
+      made.add_flat();
+      for (; next != outer.end() && next->run == number; ++next) {
+        if (next->cell() >= cells.types.size()) return EncodeError{grid_.source->message(run.part, kChangedGridFile)};
         const std::uint8_t type = cells.types[next->cell()];
         const GridShape shape = grid_shape(type);
         const auto cell = cells.cell(next->cell());
         if (next->face() >= shape.faces.size() || cell.size() < shape.corners)
-          return EncodeError{grid_.path_of(grid_.parts[run.part].file) +
-                             ": another program changed the file; encode it again"};
-        good = made.add(face_of(cell, type, next->face()).list(), next->cell());
+          return EncodeError{grid_.source->message(run.part, kChangedGridFile)};
+        made.add(face_of(cell, type, next->face()).list(), next->cell());
       }
-      if (!good) return EncodeError{grid_.path_of(grid_.parts[run.part].file) + ": the arrays are damaged"};
-      stored_.push_back({shared_.store().size(), made.triangles.size()});
-      if (!made.triangles.empty() && !shared_.store().append(std::as_bytes(std::span(made.triangles))))
+      const bool good = made.make();
+      if (grid_.source->is_changed(run.part)) return EncodeError{grid_.source->message(run.part, kChangedGridFile)};
+      if (!good) return EncodeError{grid_.source->message(run.part, "the arrays are damaged")};
+      const FinishedRun finished{{shared_.store().size(), made.triangles.size()}, made.box, made.omitted};
+      if ((!made.triangles.empty() && !shared_.store().append(std::as_bytes(std::span(made.triangles)))) ||
+          !shared_.store().finish(name_of(number), finished.triangles.offset, std::as_bytes(std::span(&finished, 1))))
         return EncodeError{shared_.store().problem()};
-      box_.add(made.box);
+      take(finished);
       if (progress_) progress_->done += run.cells;
     }
     return shared_.store().publish() ? std::nullopt : std::optional(EncodeError{shared_.store().problem()});
@@ -280,6 +405,10 @@ class GridSurfaceMaker {
     if (made.faces == 0) return EncodeError{"the grid has no faces; expected cells with an area"};
     Box box;
     for (const Box& one : qnv::gather_records<Box>(shared_.ranks(), std::span(&box_, 1))) box.add(one);
+    OmittedCells omitted;
+    for (const OmittedCells& one : qnv::gather_records<OmittedCells>(shared_.ranks(), std::span(&omitted_, 1)))
+      omitted.add(one);
+    made.omitted = omitted.text();
     made.size = box.size();
     made.origin = origin_;
     made.color_key = key_;
@@ -314,11 +443,14 @@ class GridSurfaceMaker {
   std::uint64_t memory_;
   Progress* progress_;
   LargeGridReader reader_;
+  qnv::RankShare own_;                                // runs that this rank reads
+  std::vector<std::optional<FinishedRun>> finished_;  // results of an earlier run of the program
   GridRanges ranges_;
   std::optional<ColorKey> key_;
   glm::dvec3 origin_{0};
   std::vector<StoredTriangles> stored_;
   Box box_;
+  OmittedCells omitted_;
 };
 
 }  // namespace

@@ -1,7 +1,8 @@
 #pragma once
 
-#include "app/encode/grids/grid_array.h"
-#include "app/formats/datasets/vtk/vtk_datasets.h"
+#include "app/encode/grids/grid_numbers.h"
+#include "app/formats/common/voxel_component.h"
+#include "app/formats/volume/volume_common.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -14,12 +15,12 @@
 
 namespace gs::app {
 
-/// Unstructured grid of VTK XML files that exceeds memory.
+/// Unstructured grid that exceeds memory: of VTK XML files, VTKHDF or Exodus II.
 struct LargeGrid {
-  /// Piece of a file.
+  /// Part of the grid with own arrays.
   struct Part {
-    std::size_t file = 0, piece = 0;  // in files.files; in the header of the file
     std::uint64_t points = 0, cells = 0;
+    std::uint32_t space = 0;  // consecutive parts with equal numbers have the same points
   };
   /// Consecutive cells of a part, which one process reads.
   struct Run {
@@ -27,26 +28,21 @@ struct LargeGrid {
     std::uint64_t first = 0;  // number of the first cell in the part
   };
   static constexpr std::uint64_t kRunCells = std::uint64_t{1} << 16;
+  /// Maximum number of runs, and of parts, for lists of at most 256 MB.
+  static constexpr std::uint64_t kMostRuns = std::uint64_t{1} << 22;
 
-  std::string path;    // of the first file
-  VtkPartFiles files;  // with the array to show
+  std::uint64_t other_bytes = 0;  // size of the other files
+  std::shared_ptr<const GridSource> source;
   VoxelComponent choice;
+  bool shows_values = false;
+  std::string title;  // of the shown values, for a colour key; empty for colours, and without values
   std::vector<Part> parts;
   std::vector<Run> runs;
-
-  /// Returns the path of a file.
-  [[nodiscard]] std::string path_of(std::size_t file) const;
 };
 
 /// Opens an unstructured grid if an importer would need more than `memory` bytes for its surface. Reads only headers.
 /// Returns nullopt for other files, and for choices that need all values at once.
 [[nodiscard]] std::optional<LargeGrid> open_large_grid(const VolumeFile& file, std::uint64_t memory);
-
-/// Returns true if the values of an array are colours.
-[[nodiscard]] bool stores_colors(const VtkArray& array, const VoxelComponent& choice);
-/// Returns the title of the values of an array, for a colour key. Returns an empty title for colours, and for too many
-/// components.
-[[nodiscard]] std::string title_of_values(const VtkArray& array, const VoxelComponent& choice);
 
 /// Cells of a run. Corners are numbers of points in the part, or kBadIndex.
 struct GridRun {
@@ -71,31 +67,29 @@ class GridPartReader {
   [[nodiscard]] std::variant<GridRun, std::string> cells(const LargeGrid::Run& run, std::size_t most_corners);
   /// Read the positions of consecutive points, and the shown values of consecutive points or cells. A value has width()
   /// numbers. Return false if the file is damaged.
-  [[nodiscard]] bool positions(std::uint64_t first, std::span<double> to) { return points_->read(3 * first, to); }
+  [[nodiscard]] bool positions(std::uint64_t first, std::span<double> to) {
+    return arrays_.points->read(3 * first, to);
+  }
   [[nodiscard]] bool values(std::uint64_t first, std::span<double> to);
 
-  [[nodiscard]] bool has_values() const { return values_.has_value(); }
-  [[nodiscard]] bool has_colors() const { return colors_; }
-  [[nodiscard]] bool of_points() const { return of_points_; }
+  [[nodiscard]] bool has_values() const { return arrays_.values != nullptr; }
+  [[nodiscard]] bool has_colors() const { return arrays_.colors; }
+  [[nodiscard]] bool of_points() const { return arrays_.of_points; }
   /// Returns the count of numbers in a shown value: 1, or 3 for colours.
-  [[nodiscard]] std::size_t width() const { return colors_ ? 3 : 1; }
-  [[nodiscard]] bool wide() const { return wide_; }
+  [[nodiscard]] std::size_t width() const { return arrays_.colors ? 3 : 1; }
+  [[nodiscard]] bool wide() const { return arrays_.wide; }
   [[nodiscard]] const LargeGrid::Part& part() const { return part_; }
 
  private:
-  GridPartReader(const LargeGrid& grid, std::size_t part) : grid_(grid), part_(grid.parts[part]) {}
-  std::optional<std::string> open_arrays();
-  std::optional<std::string> open_array(VtkSection section, std::string_view name, std::uint64_t numbers,
-                                        std::optional<GridArray>& to);
+  GridPartReader(const LargeGrid& grid, std::size_t part, GridPartArrays arrays)
+      : grid_(grid), part_(grid.parts[part]), arrays_(std::move(arrays)) {}
+  std::optional<std::string> read_ends(const LargeGrid::Run& run, std::size_t most_corners, double& first,
+                                       GridRun& cells);
   std::optional<std::string> hide(const LargeGrid::Run& run, GridRun& cells);
 
   const LargeGrid& grid_;
   const LargeGrid::Part& part_;
-  std::shared_ptr<const net::RandomAccessFile> file_;
-  std::optional<GridArray> points_, types_, ends_, corners_, values_, cell_flags_, point_flags_;
-  bool old_flags_ = false;  // cell_flags_ has the ghost levels of older files (vtkGhostLevels)
-  bool colors_ = false, of_points_ = false, wide_ = false;
-  std::size_t components_ = 1;
+  GridPartArrays arrays_;
 };
 
 /// Reader of the parts of a grid, which keeps the last part open. One thread.

@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <string>
 #include <tuple>
+#include <unordered_set>
 #include <utility>
 
 namespace gs::app {
@@ -15,13 +17,13 @@ namespace {
 
 using qnv::EncodeError;
 
-/// Face of a cell with its key: the part, and the sorted corners.
+/// Face of a cell with its key: the space of the points, and the sorted corners.
 struct StoredFace {
   std::array<std::int32_t, 4> corners{};  // sorted; for a triangle, the first one is kFaceEnd
-  std::uint32_t part = 0;
+  std::uint32_t space = 0;
   OuterFace face;
 
-  [[nodiscard]] auto key() const { return std::tie(part, corners); }
+  [[nodiscard]] auto key() const { return std::tie(space, corners); }
 };
 
 /// Consecutive faces in the store, all of one bucket.
@@ -37,6 +39,20 @@ constexpr std::uint64_t kBucketShare = 16, kWaitingShare = 16, kOuterShare = 8;
 constexpr std::uint64_t kLeastMemory = std::uint64_t{1} << 20;
 // Maximum size of a bucket, as a multiple of its share.
 constexpr std::uint64_t kUneven = 4;
+// Minimum number of buckets. Up to 16 ranks have equal buckets, so that a later run with another number continues.
+constexpr std::uint64_t kLeastBuckets = 64;
+// Faces that must wait per bucket in use before the runs so far are recorded. Fewer would make small blocks.
+constexpr std::size_t kWorthRecording = 64;
+
+/// Returns the records that follow `head` bytes of a result. Returns an empty list for other sizes.
+template <class Record>
+std::vector<Record> records_in(std::span<const std::byte> result, std::size_t head) {
+  if (result.size() < head || (result.size() - head) % sizeof(Record) != 0) return {};
+  std::vector<Record> records((result.size() - head) / sizeof(Record));
+  if (!records.empty())
+    std::memcpy(static_cast<void*>(records.data()), result.data() + head, records.size() * sizeof(Record));
+  return records;
+}
 
 /// Search for the outer faces of one grid.
 class FaceSearch {
@@ -49,45 +65,119 @@ class FaceSearch {
         own_(qnv::share_of(shared.ranks(), grid.runs.size())) {
     std::uint64_t cells = 0;
     for (const LargeGrid::Run& run : grid.runs) cells += run.cells;
-    const std::uint64_t least = std::uint64_t{4} * shared.count(), most = std::max<std::uint64_t>(least, 1 << 16);
+    const std::uint64_t least = std::max(kLeastBuckets, std::uint64_t{4} * shared.count()),
+                        most = std::max<std::uint64_t>(least, 1 << 16);
     buckets_ = static_cast<std::size_t>(
         std::clamp<std::uint64_t>(cells * kMostFaces * sizeof(StoredFace) / (memory_ / kBucketShare) + 1, least, most));
+    own_buckets_ = qnv::share_of(shared.ranks(), buckets_);
     waiting_.resize(buckets_);
     most_waiting_ = static_cast<std::size_t>(
         std::clamp<std::uint64_t>(memory_ / kWaitingShare / buckets_ / sizeof(StoredFace), 16, 2048));
   }
 
   std::variant<std::vector<OuterFace>, EncodeError> run() {
-    if (auto failed = shared_.agree(store_faces())) return std::move(*failed);
-    std::vector<FaceBlock> blocks = qnv::gather_records<FaceBlock>(shared_.ranks(), blocks_);
-    blocks_ = {};
-    std::ranges::sort(blocks, {}, &FaceBlock::bucket);
-    if (auto failed = shared_.agree(compare(blocks))) return std::move(*failed);
+    restore_buckets();
+    const std::byte own{compared_.size() == own_buckets_.size() ? std::uint8_t{0} : std::uint8_t{1}};
+    const std::vector<std::byte> missing = shared_.ranks().gather(std::span(&own, 1));
+    if (std::ranges::count(missing, std::byte{1}) > 0) {
+      if (auto failed = shared_.agree(store_faces())) return std::move(*failed);
+      std::vector<FaceBlock> blocks = qnv::gather_records<FaceBlock>(shared_.ranks(), blocks_);
+      blocks_ = {};
+      std::ranges::sort(blocks, {}, &FaceBlock::bucket);
+      if (auto failed = shared_.agree(compare(blocks))) return std::move(*failed);
+    }
     return deliver();
   }
 
  private:
+  [[nodiscard]] std::string name_of(const char* work, std::uint64_t number) const {
+    return std::string(work) + " " + std::to_string(buckets_) + " " + std::to_string(number);
+  }
+
+  /// Takes the outer faces of this rank's buckets that an earlier run compared.
+  void restore_buckets() {
+    for (std::uint64_t bucket = own_buckets_.first; bucket < own_buckets_.end; ++bucket) {
+      const auto result = shared_.store().finished(name_of("bucket", bucket));
+      if (!result) continue;
+      const auto faces = records_in<OuterFace>(*result, 0);
+      const bool exist = std::ranges::all_of(faces, [&](const OuterFace& f) { return f.run < grid_.runs.size(); });
+      if (!exist || faces.size() * sizeof(OuterFace) != result->size()) continue;
+      outer_.insert(outer_.end(), faces.begin(), faces.end());
+      compared_.insert(static_cast<std::uint32_t>(bucket));
+    }
+  }
+
+  /// Takes the blocks of faces that an earlier run stored for the runs from `first` on. Returns the end of these runs,
+  /// or `first` if there are none.
+  std::uint64_t restore_faces(std::uint64_t first) {
+    const auto result = shared_.store().finished(name_of("faces", first));
+    std::uint64_t end = 0;
+    if (!result || result->size() < sizeof end) return first;
+    std::memcpy(&end, result->data(), sizeof end);
+    const auto blocks = records_in<FaceBlock>(*result, sizeof end);
+    const bool exist = std::ranges::all_of(blocks, [&](const FaceBlock& b) { return b.bucket < buckets_; });
+    if (!exist || end <= first || end > own_.end) return first;
+    if (auto problem = record_faces(first)) return first;
+    blocks_.insert(blocks_.end(), blocks.begin(), blocks.end());
+    begin_record(end);
+    return end;
+  }
+
+  void begin_record(std::uint64_t run) {
+    record_run_ = run;
+    record_offset_ = shared_.store().size();
+    record_blocks_ = blocks_.size();
+  }
+  /// Stores the waiting faces, and records the runs from the last record to `end`.
+  std::optional<EncodeError> record_faces(std::uint64_t end) {
+    for (std::size_t bucket = 0; bucket < buckets_; ++bucket)
+      if (!flush(bucket)) return EncodeError{shared_.store().problem()};
+    if (end == record_run_) return std::nullopt;
+    const auto head = std::as_bytes(std::span(&end, 1)),
+               blocks = std::as_bytes(std::span(blocks_).subspan(record_blocks_));
+    std::vector<std::byte> result(head.begin(), head.end());
+    result.insert(result.end(), blocks.begin(), blocks.end());
+    if (!shared_.store().finish(name_of("faces", record_run_), record_offset_, result))
+      return EncodeError{shared_.store().problem()};
+    begin_record(end);
+    return std::nullopt;
+  }
+  [[nodiscard]] bool worth_recording() const {
+    std::size_t faces = 0, used = 0;
+    for (const std::vector<StoredFace>& one : waiting_) {
+      faces += one.size();
+      used += one.empty() ? 0 : 1;
+    }
+    return faces >= kWorthRecording * used;
+  }
+
   /// Stores the faces of this rank's cells by buckets.
   std::optional<EncodeError> store_faces() {
     LargeGridReader reader(grid_);
+    begin_record(own_.first);
     for (std::uint64_t number = own_.first; number < own_.end; ++number) {
       if (is_cancelled(progress_)) return EncodeError{"cancelled"};
+      for (std::uint64_t first = own_.end; first != number && number < own_.end;)
+        number = restore_faces(first = number);
+      if (number == own_.end) break;
       const LargeGrid::Run& run = grid_.runs[static_cast<std::size_t>(number)];
       const auto part = reader.part(run.part);
       if (const auto* const problem = std::get_if<std::string>(&part)) return EncodeError{*problem};
       auto read = std::get<GridPartReader*>(part)->cells(run, most_run_corners(memory_));
       if (auto* const problem = std::get_if<std::string>(&read)) return EncodeError{std::move(*problem)};
-      if (auto problem = store_run(static_cast<std::uint32_t>(number), run.part, std::get<GridRun>(read)))
+      if (auto problem =
+              store_run(static_cast<std::uint32_t>(number), grid_.parts[run.part].space, std::get<GridRun>(read)))
         return problem;
+      if (worth_recording())
+        if (auto problem = record_faces(number + 1)) return problem;
       if (progress_) progress_->done += run.cells;
     }
-    for (std::size_t bucket = 0; bucket < buckets_; ++bucket)
-      if (!flush(bucket)) return EncodeError{shared_.store().problem()};
+    if (auto problem = record_faces(own_.end)) return problem;
     waiting_ = {};
     return shared_.store().publish() ? std::nullopt : std::optional(EncodeError{shared_.store().problem()});
   }
 
-  std::optional<EncodeError> store_run(std::uint32_t number, std::uint32_t part, const GridRun& cells) {
+  std::optional<EncodeError> store_run(std::uint32_t number, std::uint32_t space, const GridRun& cells) {
     for (std::size_t i = 0; i < cells.types.size(); ++i) {
       const GridShape shape = grid_shape(cells.types[i]);
       if (shape.as == GridShape::As::polyhedron)
@@ -101,7 +191,7 @@ class FaceSearch {
         stored.corners.fill(kFaceEnd);
         std::ranges::copy(found.list(), stored.corners.begin());
         std::ranges::sort(stored.corners);
-        stored.part = part;
+        stored.space = space;
         stored.face = {number, static_cast<std::uint32_t>(i << OuterFace::kFaceBits | face)};
         if (!wait(stored)) return EncodeError{shared_.store().problem()};
       }
@@ -113,7 +203,7 @@ class FaceSearch {
     // Neighbouring faces often have similar numbers of corners, and then share a bucket. So a run uses few buckets.
     constexpr int kNear = 8;
     const auto least = static_cast<std::uint32_t>(face.corners[face.corners[0] == kFaceEnd ? 1 : 0]);
-    const std::uint64_t place = std::uint64_t{face.part} << 32 | least;
+    const std::uint64_t place = std::uint64_t{face.space} << 32 | least;
     const auto bucket = static_cast<std::size_t>((qnv::mixed_key(place >> kNear) >> 16) % buckets_);
     waiting_[bucket].push_back(face);
     return waiting_[bucket].size() < most_waiting_ || flush(bucket);
@@ -131,12 +221,16 @@ class FaceSearch {
 
   /// Compares the faces of this rank's buckets. Keeps those that occur once.
   std::optional<EncodeError> compare(std::span<const FaceBlock> blocks) {
-    const qnv::RankShare share = qnv::share_of(shared_.ranks(), buckets_);
     std::vector<StoredFace> faces;
-    auto next = std::ranges::lower_bound(blocks, static_cast<std::uint32_t>(share.first), {}, &FaceBlock::bucket);
-    while (next != blocks.end() && next->bucket < share.end) {
+    auto next =
+        std::ranges::lower_bound(blocks, static_cast<std::uint32_t>(own_buckets_.first), {}, &FaceBlock::bucket);
+    for (std::uint64_t number = own_buckets_.first; number < own_buckets_.end; ++number) {
       if (is_cancelled(progress_)) return EncodeError{"cancelled"};
-      const std::uint32_t bucket = next->bucket;
+      const auto bucket = static_cast<std::uint32_t>(number);
+      if (compared_.contains(bucket)) {
+        while (next != blocks.end() && next->bucket == bucket) ++next;
+        continue;
+      }
       faces.clear();
       for (; next != blocks.end() && next->bucket == bucket; ++next) {
         const std::size_t before = faces.size();
@@ -147,6 +241,7 @@ class FaceSearch {
           return EncodeError{shared_.store().problem()};
       }
       std::ranges::sort(faces, [](const StoredFace& a, const StoredFace& b) { return a.key() < b.key(); });
+      const std::size_t found = outer_.size();
       for (std::size_t i = 0; i < faces.size(); ++i) {
         const bool twin = (i > 0 && faces[i - 1].key() == faces[i].key()) ||
                           (i + 1 < faces.size() && faces[i + 1].key() == faces[i].key());
@@ -154,6 +249,9 @@ class FaceSearch {
       }
       if (outer_.size() * sizeof(OuterFace) > memory_ / kOuterShare)
         return EncodeError{"the grid has too many outer faces; expected fewer, or a larger --memory"};
+      if (!shared_.store().finish(name_of("bucket", number), shared_.store().size(),
+                                  std::as_bytes(std::span(outer_).subspan(found))))
+        return EncodeError{shared_.store().problem()};
     }
     return std::nullopt;
   }
@@ -188,7 +286,11 @@ class FaceSearch {
   Progress* progress_;
   qnv::RankShare own_;  // runs that this rank reads
   std::size_t buckets_ = 1, most_waiting_ = 1;
-  std::vector<std::vector<StoredFace>> waiting_;  // by bucket
+  qnv::RankShare own_buckets_;                        // buckets that this rank compares
+  std::unordered_set<std::uint32_t> compared_;        // buckets that an earlier run compared
+  std::uint64_t record_run_ = 0, record_offset_ = 0;  // first run and first byte of the next record
+  std::size_t record_blocks_ = 0;                     // first block of the next record
+  std::vector<std::vector<StoredFace>> waiting_;      // by bucket
   std::vector<FaceBlock> blocks_;
   std::vector<OuterFace> outer_;
 };

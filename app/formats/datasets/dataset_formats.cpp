@@ -112,6 +112,18 @@ Asset read_dataset_mesh(const ImportSource& source) {
   return builder.take();
 }
 
+std::optional<DatasetGrid> open_dataset_grid(const VolumeFile& file) {
+  const auto format = dataset_format_of(file.name, file.content.bytes);
+  if (format != DatasetFormat::hdf5 && format != DatasetFormat::netcdf) return std::nullopt;
+  auto opened = open_chosen(file);
+  auto* const chosen = std::get_if<ChosenDataset>(&opened);
+  if (!chosen || chosen->form(file.component) != DatasetForm::mesh) return std::nullopt;
+  auto rows = chosen->file->grid(chosen->entry, file.component);
+  auto arrays = chosen->file->arrays();
+  if (!rows || !arrays) return std::nullopt;
+  return DatasetGrid{std::move(arrays), std::move(*rows)};
+}
+
 void load_datasets() { (void)dataset_module(); }
 
 bool needs_dataset_module(std::string_view path, std::span<const std::byte> bytes) {

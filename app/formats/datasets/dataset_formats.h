@@ -3,6 +3,8 @@
 #include "app/formats/common/content_type.h"
 #include "app/formats/datasets/conventions/dataset_file.h"
 
+#include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -15,6 +17,15 @@ namespace gs::app {
 [[nodiscard]] bool holds_dataset_mesh(const ImportSource& source);
 /// Reads the chosen dataset of a file as a mesh.
 [[nodiscard]] Asset read_dataset_mesh(const ImportSource& source);
+
+/// Unstructured grid of a file of arrays, which can be read in parts.
+struct DatasetGrid {
+  std::shared_ptr<ArrayFile> file;
+  GridRows rows;
+};
+/// Opens the chosen dataset of a file of arrays if it is an unstructured grid that can be read in parts. Reads the
+/// sizes of its parts only. Returns nullopt for other files and datasets.
+[[nodiscard]] std::optional<DatasetGrid> open_dataset_grid(const VolumeFile& file);
 
 /// Lists the datasets of a file that open_dataset_file() opens. Returns a message on failure.
 [[nodiscard]] std::variant<std::vector<DatasetEntry>, std::string> list_datasets(const ImportSource& source);

@@ -1,6 +1,6 @@
 #include "app/formats/splats/splat_transform.h"
 
-#include "qnv/codecs/gaussians/encode/ellipsoid.h"
+#include "qnv/codecs/gaussians/ellipsoid.h"
 #include "render/gaussians/gaussian_harmonics.h"
 
 #include <glm/geometric.hpp>

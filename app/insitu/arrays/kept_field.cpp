@@ -237,11 +237,11 @@ bool gather_chunks(Ranks& ranks, std::span<const KeptField* const> kept, std::sp
       return false;
   }
   if (!ranks.is_first()) return true;
-  // If memory does not suffice for the delivery, viewers request the chunks again.
-  (void)ranks.attempt("deliver", [&] {
-    for (std::size_t i = 0; i < chunks.size(); ++i)
-      if (kept[i]) deliver(i, all ? std::move(made[i]) : std::vector<float>());
+  const bool delivered = ranks.attempt("deliver", [&] {
+    for (std::size_t i = 0; i < chunks.size(); ++i) deliver(i, all ? std::move(made[i]) : std::vector<float>());
   });
+  // If memory does not suffice for the delivery, viewers request the chunks again.
+  for (std::size_t i = 0; i < chunks.size() && !delivered; ++i) deliver(i, {});
   return true;
 }
 

@@ -1,6 +1,6 @@
 #include "app/insitu/arrays/ranks.h"
 
-#include "app/insitu/bricks/thread_time.h"
+#include "base/thread_time.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,6 +1,6 @@
 #include "app/insitu/bricks/brick_shelf.h"
 
-#include "app/insitu/bricks/thread_time.h"
+#include "base/thread_time.h"
 
 #include <algorithm>
 #include <utility>
@@ -131,14 +131,14 @@ void BrickShelf::drop_encoded() {
 
 std::vector<WantedChunk> BrickShelf::take_wanted(std::size_t most) {
   std::vector<WantedChunk> all;
+  all.reserve(most);  // nothing can fail after a chunk counts as sent
   const std::lock_guard lock(mutex_);
   for (auto slot = slots_.rbegin(); slot != slots_.rend(); ++slot)
     while (all.size() < most && !slot->wanted.empty()) {
       // The coarsest chunks come first.
       const auto last = std::prev(slot->wanted.end());
       all.push_back({slot->grid.serial, *last});
-      slot->sent.insert(*last);
-      slot->wanted.erase(last);
+      slot->sent.insert(slot->wanted.extract(last));
     }
   return all;
 }

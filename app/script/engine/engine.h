@@ -36,8 +36,9 @@ class Engine : NonCopyable {
   /// Max bytes of one memory block of a program. Suffices for a string of 2^24 characters that grows.
   static constexpr std::size_t kMaxBlock = std::size_t{20} << 20;
 
-  /// Scope in which a program may use the engine, for at most `seconds` and `heap_bytes`. Within another turn, the
-  /// limits of the outer turn apply. `late_message` must outlive the turn; see on_overdue().
+  /// Scope in which a program may use the engine, for at most `seconds` and `heap_bytes`. A turn that has had to wait
+  /// for a processor may take up to 1 s longer. Within another turn, the limits of the outer turn apply. `late_message`
+  /// must outlive the turn; see on_overdue().
   class Turn : NonCopyable {
    public:
     Turn(Engine& engine, double seconds, std::size_t heap_bytes, const std::string& late_message);
@@ -71,6 +72,7 @@ class Engine : NonCopyable {
  private:
   explicit Engine(JSContext* context);
   static bool on_interrupt(JSContext* context);
+  [[nodiscard]] bool over_time() const;
   [[nodiscard]] bool over_memory();
   void watch();
   void collect_leftovers();
@@ -82,6 +84,7 @@ class Engine : NonCopyable {
   int depth_ = 0;
   Stop stop_ = Stop::none;
   std::atomic<Clock::time_point> deadline_;
+  double processor_deadline_ = 0;  // seconds of thread_seconds()
   std::atomic<const std::string*> late_message_ = nullptr;
   std::size_t heap_limit_ = 0;
   std::ptrdiff_t own_bytes_ = 0, next_own_collection_ = 0;

@@ -10,6 +10,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -56,6 +57,14 @@ inline constexpr const char* kUnreadable = "the surface cannot be read";
 /// Returns `own` on rank 0. Other ranks return the error of rank 0, or an empty stream. Collective.
 [[nodiscard]] std::variant<EncodedStream, EncodeError> result_of_first(EncodeRanks& shared,
                                                                        std::variant<EncodedStream, EncodeError> own);
+
+/// Returns a result that an earlier run recorded with record_result(). Returns nullopt if a rank cannot read it. Equal
+/// on all ranks. Collective.
+[[nodiscard]] std::optional<std::vector<std::byte>> earlier_result(EncodeRanks& shared, std::string_view work);
+/// Records a result that all ranks have, for later runs. Omits results above 512 MB. Returns an error if rank 0 cannot
+/// store it. Equal on all ranks. Collective.
+[[nodiscard]] std::optional<EncodeError> record_result(EncodeRanks& shared, std::string_view work,
+                                                       std::span<const std::byte> result);
 
 /// Function that returns memory for a number of bytes.
 using RoomFor = std::function<std::span<std::byte>(std::uint64_t bytes)>;

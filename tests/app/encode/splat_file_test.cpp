@@ -216,6 +216,26 @@ TEST_CASE("no rank has a survey if one rank cannot open the file of splats") {
   CHECK_FALSE(surveys[1]);
 }
 
+TEST_CASE("ends the survey on all ranks if one rank runs out of memory") {
+  const std::string text = splats_ply(100'000);
+  for (const std::uint32_t failing : {0u, 2u}) {
+    qnv::SharedMemory state(3);
+    std::vector<std::optional<SplatSurvey>> surveys(3);
+    {
+      std::vector<std::jthread> threads;
+      for (std::uint32_t rank = 0; rank < 3; ++rank)
+        threads.emplace_back([&, rank] {
+          qnv::ThreadRanks ranks(state, rank);
+          const PutAside put_aside = [&](std::size_t) {
+            if (rank == failing) throw std::bad_alloc();
+          };
+          surveys[rank] = survey_splats("scene.ply", splat_bytes(text), 1000, put_aside, ranks);
+        });
+    }
+    for (const auto& survey : surveys) CHECK_FALSE(survey);
+  }
+}
+
 TEST_CASE("the runs of a file of splats have the splats of the whole file") {
   const std::string text = splats_ply(70'000);
   const auto file = open_splat_file("scene.ply", splat_bytes(text), 1000);

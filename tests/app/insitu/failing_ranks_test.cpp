@@ -2,12 +2,16 @@
 #include "app/insitu/insitu_session.h"
 #include "tests/app/insitu/insitu_helpers.h"
 #include "tests/app/insitu/thread_ranks.h"
+#include "tests/net/http_client.h"
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <new>
 #include <string>
 #include <string_view>
+#include <thread>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -134,6 +138,96 @@ TEST_CASE("in situ: a rank that lacks memory for messages does not block the oth
       const FailedRun run = run_with_fault(part, failing, 48, false);
       for (std::size_t rank = 1; rank < 3; ++rank) CHECK(run.results[rank] == run.results[0]);
     }
+}
+
+/// Requests a chunk that rank 1 has, while the work `part` of rank `failing` throws once. Returns the status.
+int status_after_fault(std::string_view part, int failing, bool& threw) {
+  const ScratchFolder scratch;
+  std::atomic<bool> requested{false}, thrown{false}, done{false};
+  std::atomic<int> port{0}, status{0};
+  std::thread viewer([&] {
+    while (port == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    const auto own = static_cast<std::uint16_t>(port.load());
+    for (const char* path : {"/", "/heat.000000.zarr/zarr.json"}) (void)net::test::fetch(own, path);
+    requested = true;
+    // A client repeats a request that the server could not answer in time.
+    for (int i = 0; i < 2 && status != 200; ++i) status = net::test::fetch(own, "/heat.000000.zarr/0/c.1.1.1").status;
+    done = true;
+  });
+  ThreadRanks::run(2, [&](int rank, const gs_insitu_communicator& table) {
+    SessionOptions options;
+    options.token_file = scratch.path("token");
+    options.serve = true;
+    options.fault = [&, rank](const char* work) {
+      if (rank != failing || part != work || !requested || thrown.exchange(true)) return;
+      throw std::bad_alloc();
+    };
+    auto opened = InSituSession::open(options, &table);
+    auto* const session = std::get_if<std::unique_ptr<InSituSession>>(&opened);
+    if (!session) return;
+    gs_insitu_parameter end{};
+    end.size = sizeof end;
+    end.name = "end";
+    end.maximum = 1;
+    (void)(*session)->add_parameter(end);
+    const SmoothGrid grid(80);
+    std::vector<double> values;
+    gs_insitu_field field;
+    const gs_insitu_block block = grid.block(40 * rank, 40 * (rank + 1), values, field, 1);
+    bool asked = false;
+    for (std::int64_t step = 0; (*session)->value("end") == 0; ++step) {
+      if ((*session)->begin_step(step, 0) == GS_INSITU_OK) {
+        (void)(*session)->pass_block(block);
+        (void)(*session)->end_step();
+      }
+      if (rank != 0) continue;
+      if (port == 0) port = (*session)->port();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      if (done && !asked)
+        asked = net::test::fetch(static_cast<std::uint16_t>(port.load()), "/parameters?end=1",
+                                 {"Authorization: Bearer " + scratch.read("token").substr(0, 32)}, "POST")
+                    .status == 200;
+    }
+  });
+  viewer.join();
+  threw = thrown;
+  return status;
+}
+
+TEST_CASE("in situ: a chunk reaches its viewer although a rank once lacked memory for it") {
+  for (const char* part : {"decide", "wanted", "chunks", "message", "deliver"}) {
+    INFO(part);
+    bool threw = false;
+    CHECK(status_after_fault(part, 0, threw) == 200);
+    CHECK(threw);
+  }
+}
+
+TEST_CASE("in situ: a session encodes later steps although it lacked memory to start one") {
+  const bool background = GENERATE(false, true);
+  const ScratchFolder scratch;
+  SessionOptions options;
+  options.folder = scratch.path("out");
+  options.background = background;
+  bool threw = false;
+  options.fault = [&](const char* work) {
+    if (std::string_view(work) != "encode" || std::exchange(threw, true)) return;
+    throw std::bad_alloc();
+  };
+  auto opened = InSituSession::open(options, nullptr);
+  auto& session = *std::get<std::unique_ptr<InSituSession>>(opened);
+  const SmoothGrid grid(12);
+  std::vector<double> values;
+  gs_insitu_field field;
+  const gs_insitu_block block = grid.block(0, 12, values, field);
+  for (std::int64_t step = 0; step < 2; ++step) {
+    REQUIRE(session.begin_step(step, 0) == GS_INSITU_OK);
+    REQUIRE(session.pass_block(block) == GS_INSITU_OK);
+    CHECK(session.end_step() == (step == 0 ? GS_INSITU_FAILED : GS_INSITU_OK));
+  }
+  REQUIRE(session.flush() == GS_INSITU_OK);
+  CHECK(threw);
+  CHECK(scratch.read("out/heat.000001.qnv").size() > 100);
 }
 
 }  // namespace failing_ranks_test

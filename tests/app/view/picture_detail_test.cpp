@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
+#include <cstddef>
 #include <functional>
 
 namespace gs::app::picture_detail_test {
@@ -19,6 +21,28 @@ std::function<double(std::size_t)> pixels(double seconds) {
     return seconds * (quality.one_sample ? 1 : 3) / (double{quality.coarseness} * double{quality.coarseness});
   };
 }
+
+/// Scene of Gaussians, with a time per picture and one per drawn Gaussian. Coarser levels are optional.
+struct GaussianScene {
+  double picture, each;
+  std::size_t all;
+  bool has_levels = true;
+
+  [[nodiscard]] std::size_t drawn(const PictureDetail& detail, std::size_t level) const {
+    return level == 0 || !has_levels ? all : std::min(all, detail.most_gaussians(level));
+  }
+  [[nodiscard]] double seconds(const PictureDetail& detail, std::size_t level) const {
+    const double side = double{PictureDetail::kQualities[level].coarseness};
+    return picture / (side * side) + each * static_cast<double>(drawn(detail, level));
+  }
+  /// Draws one changing picture. Returns its time.
+  double draw(PictureDetail& detail) const {
+    const std::size_t level = detail.level(true);
+    const double time = seconds(detail, level);
+    detail.note(level, false, time, drawn(detail, level));
+    return time;
+  }
+};
 
 }  // namespace
 
@@ -83,6 +107,52 @@ TEST_CASE("keeps the quality if fewer pixels save no time, and tries again later
   }
   CHECK(coarse > 0);
   CHECK(coarse < 50);
+}
+
+TEST_CASE("draws so many Gaussians that changing pictures are in time, on fast and slow machines") {
+  for (const double each : {30e-9, 120e-9, 300e-9}) {
+    PictureDetail detail;
+    const GaussianScene scene{0.015, each, 3'000'000};
+    CHECK(detail.most_gaussians(0) == 0);
+    int late = 0, changes = 0;
+    for (int i = 0; i < 60; ++i) scene.draw(detail);
+    for (int i = 0; i < 300; ++i) {
+      const std::size_t most = detail.most_gaussians(1);
+      late += scene.draw(detail) > PictureDetail::kGoal ? 1 : 0;
+      changes += detail.most_gaussians(1) != most ? 1 : 0;
+    }
+    INFO(each << " s each: " << detail.most_gaussians(1) << " Gaussians, level " << detail.level(true));
+    CHECK(late < 15);
+    CHECK(changes < 10);
+    CHECK(detail.level(true) == 1);
+    CHECK(scene.seconds(detail, 1) > 0.6 * PictureDetail::kGoal);
+  }
+}
+
+TEST_CASE("keeps the number of Gaussians during fades, and reduces the resolution if there are no coarser ones") {
+  PictureDetail detail;
+  detail.note(0, false, 0.4, 1'000'000);
+  REQUIRE(detail.level(true) > 0);
+  const std::size_t level = detail.level(true), most = detail.most_gaussians(level);
+  for (int i = 0; i < 5; ++i) detail.note(level, false, 0.2, 1'000'000);
+  CHECK(detail.level(true) == level);
+  CHECK(detail.most_gaussians(level) == most);
+  // Without fewer Gaussians, the first pictures of a coarser level may be as slow as those before.
+  PictureDetail stays;
+  for (int i = 0; i < 3; ++i) stays.note(0, false, 0.15, 2'000'000);
+  REQUIRE(stays.level(true) == 1);
+  for (int i = 0; i < 4; ++i) stays.note(1, false, 0.15, 300'000);
+  CHECK(stays.level(true) == 1);
+  CHECK(stays.most_gaussians(1) < 200'000);
+  PictureDetail slow;
+  const GaussianScene scene{0.02, 500e-9, 1'000'000, false};
+  for (int i = 0; i < 100; ++i) scene.draw(slow);
+  CHECK(slow.most_gaussians(1) == PictureDetail::kFirstGaussians);
+  // Few Gaussians are never fewer than the minimum.
+  PictureDetail few;
+  for (int i = 0; i < 100; ++i) GaussianScene{0.5, 1e-6, 200'000}.draw(few);
+  CHECK(few.most_gaussians(1) == PictureDetail::kFewestGaussians);
+  CHECK(PictureDetail::kQualities[few.level(true)] == PictureQuality{true, 2});
 }
 
 TEST_CASE("lowers the quality after pictures that the user's input cancelled") {

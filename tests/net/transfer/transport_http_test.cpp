@@ -18,6 +18,7 @@
 #include "base/noncopyable.h"
 #include "tests/net/http_client.h"
 #include "tests/net/load_helpers.h"
+#include "tests/net/served_site.h"
 
 extern char** environ;
 
@@ -303,6 +304,30 @@ TEST_CASE("loads from a file and a server at once, also with an unusable cache f
   CHECK((outcomes[first].text() == text));
   CHECK((outcomes[second].text() == text));
   CHECK(outcomes[third].text() == "hello");
+}
+
+TEST_CASE("keeps connections for the next loader, and none with a bandwidth limit") {
+  ServedSite site;
+  site.write("a.wrl", "#VRML V2.0 utf8\n");
+  site.start();
+  const auto load_alone = [&](std::uint64_t rate) {
+    LoaderOptions options;
+    options.bytes_per_second = rate;
+    const auto loader = Loader::create(std::move(options));
+    CHECK(load(*loader, "http://127.0.0.1:" + std::to_string(site.port) + "/a.wrl").text() == "#VRML V2.0 utf8\n");
+  };
+  for (int i = 0; i < 4; ++i) load_alone(0);
+  CHECK(site.server->statistics().accepted == 1);
+  // A connection of a limited loader has a small receive buffer.
+  site.start();
+  for (const std::uint64_t rate : {1'000'000, 0, 0}) load_alone(rate);
+  CHECK(site.server->statistics().accepted == 2);
+  // A server that closed its idle connections gets a new one.
+  const std::uint16_t port = site.port;
+  site.server.reset();
+  site.options.port = port;
+  site.start();
+  load_alone(0);
 }
 
 }  // namespace

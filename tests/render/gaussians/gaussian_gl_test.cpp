@@ -1,6 +1,10 @@
 #include "render/gaussians/gaussian_gl.h"
 
+#include "qnv/codecs/gaussians/encode/gaussians_stream.h"
+#include "qnv/codecs/gaussians/lod/splat_stream.h"
+#include "render/gaussians/gaussian_overlap.h"
 #include "render/gaussians/gaussian_pass.h"
+#include "tests/qnv/splat_clouds.h"
 #include "tests/render/gaussians/gaussian_scenes.h"
 #include "tests/render/volume_scenes.h"
 
@@ -13,6 +17,8 @@
 #include <memory>
 #include <numeric>
 #include <string>
+#include <utility>
+#include <variant>
 
 namespace gs::render::gaussian_gl_test {
 
@@ -242,6 +248,31 @@ TEST_CASE("draws Gaussians with reversed depth and with several samples without 
   const auto polygon = [&] { picture.polygon(wall, {1, 1, 0}); };
   const Pixels wanted = picture.drawn(list, SplatPath::cpu, polygon);
   CHECK(psnr_of(picture.drawn(list, SplatPath::gl, polygon), wanted) >= 45);
+}
+
+TEST_CASE("draws at most as many Gaussians of a stream as a changing picture may have") {
+  const auto encoded = qnv::encode_gaussians(splat_cloud(20'000), {});
+  auto opened = qnv::SplatStream::open(std::get<qnv::EncodedStream>(encoded).bytes);
+  qnv::Gaussians gaussians;
+  gaussians.stream = std::get<std::unique_ptr<qnv::SplatStream>>(std::move(opened));
+  gaussians.description.box = gaussians.stream->box();
+  const RenderList list = list_of(std::make_shared<const qnv::Gaussians>(std::move(gaussians)));
+  for (const SplatPath path : {SplatPath::gl, SplatPath::cpu}) {
+    Picture picture(SortMethod::thread);
+    picture.look({0, 0, 3});
+    picture.options.splat_error = 0.1f;
+    const Pixels whole = picture.drawn(list, path);
+    const std::size_t all = picture.statistics.gaussians;
+    CHECK(all > 10'000);
+    picture.options.most_gaussians = 3000;
+    const Pixels few = picture.drawn(list, path);
+    CHECK(picture.statistics.gaussians <= 3000);
+    CHECK(picture.statistics.gaussians > 1500);
+    CHECK(psnr_of(whole, few) > 20);
+    picture.options.budget = 1000;
+    (void)picture.drawn(list, path);
+    CHECK(picture.statistics.gaussians <= 1000);
+  }
 }
 
 TEST_CASE("keeps the order of Gaussians while the view turns, and has it exactly at rest") {

@@ -139,9 +139,9 @@ TEST_CASE("draws fewer Gaussians of a file while the view moves, and all of them
   CHECK(levels.cut(all, motion_of(view_from(away), 1, time), false, pending) == nullptr);
 }
 
-TEST_CASE("gives up the levels of Gaussians that are replaced, and waits for the next motion") {
+TEST_CASE("gives up the levels of Gaussians that are replaced, and starts again with the next motion") {
   auto first = cloud(20'000);
-  GaussianLevels levels(1000);
+  GaussianLevels levels(1000, std::chrono::hours(1));
   bool pending = false;
   const auto start = [&](const std::shared_ptr<const qnv::Gaussians>& gaussians, float coarseness) {
     (void)levels.cut(gaussians, motion_of(view_from(20), coarseness, 1), true, pending);
@@ -153,12 +153,62 @@ TEST_CASE("gives up the levels of Gaussians that are replaced, and waits for the
   first.reset();
   levels.forget_unused();
   CHECK_FALSE(levels.working());
-  const auto second = cloud(5000);
-  start(second, 1);  // a series of Gaussians would never use its levels
+  auto second = cloud(5000);
+  start(second, 1);  // waits, because a series of Gaussians would never use its levels
+  CHECK(levels.working());
+  second.reset();
+  levels.forget_unused();
   CHECK_FALSE(levels.working());
-  start(second, 2.5f);
+  const auto third = cloud(5000);
+  start(third, 1);
+  CHECK(levels.working());
+  start(third, 2.5f);
+  wait_for(levels);
+}
+
+TEST_CASE("makes levels without a motion once replaced Gaussians are steady") {
+  auto first = cloud(20'000);
+  GaussianLevels levels(1000, std::chrono::milliseconds(1));
+  bool pending = false;
+  const auto draw = [&](const std::shared_ptr<const qnv::Gaussians>& gaussians, float coarseness, bool eager) {
+    return levels.cut(gaussians, motion_of(view_from(20), coarseness, 1), eager, pending) != nullptr;
+  };
+  CHECK_FALSE(draw(first, 1, true));
+  first.reset();
+  levels.forget_unused();
+  const auto last = cloud(5000);  // the last version of a streamed file
+  CHECK_FALSE(draw(last, 1, true));
   CHECK(levels.working());
   wait_for(levels);
+  CHECK(draw(last, 2.5f, false));
+}
+
+TEST_CASE("charges levels to the budget of the world, and does without if it refuses") {
+  bool pending = false;
+  const auto all = cloud(20'000);
+  const auto budget = std::make_shared<Budget>();
+  const auto draw = [&](GaussianLevels& levels, const std::shared_ptr<Budget>& from) {
+    GaussianMotion motion = motion_of(view_from(20), 2.5f, 1);
+    motion.budget = from;
+    return levels.cut(all, motion, true, pending) != nullptr;
+  };
+  {
+    GaussianLevels levels(1000);
+    CHECK_FALSE(draw(levels, budget));
+    wait_for(levels);
+    CHECK(draw(levels, budget));
+    // The stream, decoded clusters, and a cut.
+    CHECK(budget->used(Resource::vectors) == 20'000 * (12 + 2 * qnv::bytes_of_splat(0)));
+  }
+  CHECK(budget->used(Resource::vectors) == 0);
+  Limits limits;
+  limits.memory = 1 << 20;
+  const auto small = std::make_shared<Budget>(limits);
+  GaussianLevels levels(1000);
+  CHECK_FALSE(draw(levels, small));
+  CHECK_FALSE(levels.working());
+  CHECK_FALSE(draw(levels, small));
+  CHECK(small->used(Resource::vectors) == 0);
 }
 
 TEST_CASE("has no levels of few or invalid Gaussians") {

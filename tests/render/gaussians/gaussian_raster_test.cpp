@@ -242,7 +242,7 @@ TEST_CASE("draws equal Gaussians without their depths, and reports the box of th
   }
 }
 
-TEST_CASE("draws equal Gaussians with any number of threads and both kernels") {
+TEST_CASE("draws equal Gaussians with any number of threads and all kernels") {
   qnv::Gaussians gaussians = random_gaussians(30000, 0, 13);
   for (std::size_t i = 0; i < gaussians.size(); i += 3) gaussians.scales[i].z = 0;
   SplatView view = view_of(200, 150);
@@ -264,38 +264,35 @@ TEST_CASE("draws equal Gaussians with any number of threads and both kernels") {
   CHECK(all.surfels.size() > 1000);
   std::vector<std::uint16_t> order(2000);
   std::iota(order.begin(), order.end(), std::uint16_t{0});
-  for (const bool stopped : {false, true}) {
-    GaussianTile fast, plain;
-    for (GaussianTile* tile : {&fast, &plain}) {
-      tile->clear_pixels();
-      for (GaussianGroup& group : tile->groups) group.stop.fill(2);
+  for (const GaussianKernel& quick : gaussian_kernels())
+    for (const bool stopped : {false, true}) {
+      GaussianTile fast, plain;
+      for (GaussianTile* tile : {&fast, &plain}) {
+        tile->clear_pixels();
+        for (GaussianBlock& block : tile->blocks) std::ranges::fill(block.channel(GaussianBlock::kStop), 2.0f);
+      }
+      const GaussianKernel& portable = gaussian_kernels().front();
+      (stopped ? quick.stopped_tile : quick.tile)({all.splats.data(), all.surfels.data()}, order, 96, 64, fast);
+      (stopped ? portable.stopped_tile : portable.tile)({all.splats.data(), all.surfels.data()}, order, 96, 64, plain);
+      float least = 1;
+      for (std::size_t i = 0; i < GaussianTile::kBlocks; ++i) {
+        CHECK(fast.blocks[i].values == plain.blocks[i].values);
+        least = std::min(least, std::ranges::min(fast.blocks[i].channel(GaussianBlock::kClear)));
+      }
+      CHECK(least < 1);
+      CHECK(fast.open == plain.open);
+      constexpr std::size_t kPixels = std::size_t{kGaussianTile} * kGaussianTile;
+      std::array<std::array<std::uint8_t, 4 * kPixels>, 2> pixels{};
+      std::array<std::array<float, kPixels>, 2> depths{};
+      quick.write(fast, pixels[0].data(), depths[0].data(), kGaussianTile);
+      portable.write(plain, pixels[1].data(), depths[1].data(), kGaussianTile);
+      CHECK(pixels[0] == pixels[1]);
+      CHECK(depths[0] == depths[1]);
+      const GaussianBlock& block = fast.blocks[GaussianTile::block_of(13, 6)];
+      const std::size_t lane = GaussianTile::lane_of(13, 6), at = 6 * 16 + 13;
+      CHECK(pixels[0][4 * at + 3] == Approx(255 * (1 - block.channel(GaussianBlock::kClear)[lane])).margin(0.51));
+      CHECK(pixels[0][4 * at + 1] == Approx(255 * block.channel(GaussianBlock::kGreen)[lane]).margin(0.51));
     }
-    const GaussianKernel &quick = gaussian_kernel(), &portable = gaussian_kernel_baseline();
-    (stopped ? quick.stopped_tile : quick.tile)({all.splats.data(), all.surfels.data()}, order, 96, 64, fast);
-    (stopped ? portable.stopped_tile : portable.tile)({all.splats.data(), all.surfels.data()}, order, 96, 64, plain);
-    float least = 1;
-    for (std::size_t i = 0; i < GaussianTile::kGroups; ++i) {
-      const GaussianGroup &a = fast.groups[i], &b = plain.groups[i];
-      CHECK(a.red == b.red);
-      CHECK(a.green == b.green);
-      CHECK(a.blue == b.blue);
-      CHECK(a.clear == b.clear);
-      CHECK(a.depth == b.depth);
-      least = std::min(least, *std::ranges::min_element(a.clear));
-    }
-    CHECK(least < 1);
-    CHECK(fast.open == plain.open);
-    constexpr std::size_t kPixels = std::size_t{kGaussianTile} * kGaussianTile;
-    std::array<std::array<std::uint8_t, 4 * kPixels>, 2> pixels{};
-    std::array<std::array<float, kPixels>, 2> depths{};
-    quick.write(fast, pixels[0].data(), depths[0].data(), kGaussianTile);
-    portable.write(fast, pixels[1].data(), depths[1].data(), kGaussianTile);
-    CHECK(pixels[0] == pixels[1]);
-    CHECK(depths[0] == depths[1]);
-    const std::size_t group = GaussianTile::group_of(13, 6), lane = GaussianTile::lane_of(13, 6), at = 6 * 16 + 13;
-    CHECK(pixels[0][4 * at + 3] == Approx(255 * (1 - fast.groups[group].clear[lane])).margin(0.51));
-    CHECK(pixels[0][4 * at + 1] == Approx(255 * fast.groups[group].green[lane]).margin(0.51));
-  }
 }
 
 TEST_CASE("projects equal ellipses with both kernels, also of hostile Gaussians") {

@@ -1,6 +1,5 @@
 #include "render/volume/layers_together.h"
 
-#include "render/gaussians/gaussian_pass.h"
 #include "render/gaussians/gaussian_raster.h"
 #include "tests/render/gaussians/gaussian_scenes.h"
 #include "tests/render/volume_scenes.h"
@@ -118,37 +117,6 @@ TEST_CASE("shows Gaussians inside of a volume, and the volume in front of and be
   CHECK(psnr_of(rasterize_together({nothing, splats}, view, {}, range).pixels, splats(view, {}).pixels) > 45);
   CHECK(rasterize_together({nothing, nothing}, view, {}, range).empty());
   CHECK(rasterize_together({nothing, splats}, SplatView{}, {}, range).empty());
-}
-
-TEST_CASE("finds the depths in which Gaussians and volumes overlap") {
-  qnv::Volume volume = random_volume(10, 1, 0.1f);
-  volume.description.box = {};
-  volume.description.box.add(glm::vec3(-1));
-  volume.description.box.add(glm::vec3(1));
-  qnv::Gaussians gaussians = random_gaussians(3, 0, 1);
-  gaussians.description.box.add(glm::vec3(-0.5f));
-  gaussians.description.box.add(glm::vec3(0.5f, 0.5f, 3));
-  RenderList list;
-  for (const auto& geometry :
-       {std::make_shared<const qnv::Geometry>(volume), std::make_shared<const qnv::Geometry>(gaussians)}) {
-    SplatItem item;
-    item.geometry = geometry;
-    list.splats.push_back(item);
-  }
-  Camera camera;
-  camera.world_from_camera = glm::translate(glm::dmat4(1), {0, 0, 5});
-  const auto range = overlap_of_gaussians_and_volumes(list, camera);
-  REQUIRE(range);
-  CHECK(range->nearest == Approx(4));
-  CHECK(range->farthest == Approx(5.5));
-  camera.world_from_camera = glm::translate(glm::dmat4(1), {0, 0, -9});  // looks away
-  CHECK_FALSE(overlap_of_gaussians_and_volumes(list, camera));
-  camera.world_from_camera = glm::dmat4(1);
-  CHECK(overlap_of_gaussians_and_volumes(list, camera)->nearest == 0);
-  list.splats[1].world_from_node = glm::translate(glm::dmat4(1), {2, 0, 0});
-  CHECK_FALSE(overlap_of_gaussians_and_volumes(list, camera));
-  list.splats.pop_back();
-  CHECK_FALSE(overlap_of_gaussians_and_volumes(list, camera));
 }
 
 }  // namespace gs::render::layers_together_test

@@ -292,13 +292,14 @@ TEST_CASE("draws volumes on the processor that OpenGL cannot draw") {
   VolumeItem item{geometry.get(), model.get(), glm::inverse(picture.camera.world_from_camera), geometry->size(), {}};
   const VolumeGl::View view{picture.view(), picture.projection(), {0, 0, 80, 60}, 0};
   picture.clear(kBlue, 25);
-  CHECK(volumes.draw(std::span(&held, 1), std::span(&item, 1), view).has_value());
+  CHECK(volumes.prepare(std::span(&held, 1), std::span(&item, 1), view).has_value());
   const std::vector<VolumeLight> lights(40);
   item.options.lights = lights;
-  CHECK(!volumes.draw(std::span(&held, 1), std::span(&item, 1), view));
+  CHECK(!volumes.prepare(std::span(&held, 1), std::span(&item, 1), view));
   item.options.lights = {};
   item.camera_from_node[0][0] = kNaN;
-  const auto nothing = volumes.draw(std::span(&held, 1), std::span(&item, 1), view);
+  const auto nothing = volumes.prepare(std::span(&held, 1), std::span(&item, 1), view);
   REQUIRE(nothing);
-  CHECK(nothing->vectors == 0);
+  CHECK(nothing->found.vectors == 0);
+  CHECK(nothing->total == 0);
 }

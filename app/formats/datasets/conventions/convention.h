@@ -3,6 +3,7 @@
 #include "app/formats/datasets/arrays/dataset_tree.h"
 #include "app/formats/datasets/conventions/dataset_file.h"
 
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -18,6 +19,9 @@ struct Convention {
   VolumeResult (*volume)(DatasetTree& tree, const DatasetEntry& entry, const VoxelComponent& choice);
   /// Null if the convention has no meshes.
   void (*mesh)(DatasetTree& tree, const DatasetEntry& entry, const VoxelComponent& choice, MeshBuilder& builder);
+  /// Finds the arrays of an unstructured grid, without reading them. Returns nullopt for other datasets, and for grids
+  /// that cannot be read in parts. Null if the convention has no such grids.
+  std::optional<GridRows> (*grid)(DatasetTree& tree, const DatasetEntry& entry, const VoxelComponent& choice) = nullptr;
 };
 
 /// Returns the table of conventions. Every file suits the last one.

@@ -24,11 +24,15 @@ void cf_mesh(DatasetTree& tree, const DatasetEntry& entry, const VoxelComponent&
 [[nodiscard]] std::vector<DatasetEntry> list_exodus(DatasetTree& tree);
 [[nodiscard]] VolumeResult exodus_volume(DatasetTree& tree, const DatasetEntry& entry, const VoxelComponent& choice);
 void exodus_mesh(DatasetTree& tree, const DatasetEntry& entry, const VoxelComponent& choice, MeshBuilder& builder);
+[[nodiscard]] std::optional<GridRows> exodus_grid(DatasetTree& tree, const DatasetEntry& entry,
+                                                  const VoxelComponent& choice);
 
 [[nodiscard]] bool suits_vtkhdf(DatasetTree& tree);
 [[nodiscard]] std::vector<DatasetEntry> list_vtkhdf(DatasetTree& tree);
 [[nodiscard]] VolumeResult vtkhdf_volume(DatasetTree& tree, const DatasetEntry& entry, const VoxelComponent& choice);
 void vtkhdf_mesh(DatasetTree& tree, const DatasetEntry& entry, const VoxelComponent& choice, MeshBuilder& builder);
+[[nodiscard]] std::optional<GridRows> vtkhdf_grid(DatasetTree& tree, const DatasetEntry& entry,
+                                                  const VoxelComponent& choice);
 
 [[nodiscard]] bool suits_ome(DatasetTree& tree);
 [[nodiscard]] std::vector<DatasetEntry> list_ome(DatasetTree& tree);

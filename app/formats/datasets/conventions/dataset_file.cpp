@@ -15,9 +15,9 @@ namespace gs::app {
 namespace {
 
 constexpr Convention kConventions[] = {
-    {"VTKHDF", suits_vtkhdf, list_vtkhdf, vtkhdf_volume, vtkhdf_mesh},
+    {"VTKHDF", suits_vtkhdf, list_vtkhdf, vtkhdf_volume, vtkhdf_mesh, vtkhdf_grid},
     {"openPMD", suits_openpmd, list_openpmd, openpmd_volume, openpmd_mesh},
-    {"Exodus II", suits_exodus, list_exodus, exodus_volume, exodus_mesh},
+    {"Exodus II", suits_exodus, list_exodus, exodus_volume, exodus_mesh, exodus_grid},
     {"OME-Zarr", suits_ome, list_ome, ome_volume, nullptr},
     {"CF", suits_cf, list_cf, cf_volume, cf_mesh},
     {"plain", suits_any, list_plain, plain_volume, nullptr},
@@ -41,6 +41,10 @@ class TreeFile final : public DatasetFile {
   void mesh(std::size_t entry, const VoxelComponent& choice, MeshBuilder& builder) override {
     if (convention_->mesh) convention_->mesh(tree_, entries_[entry], choice, builder);
   }
+  std::optional<GridRows> grid(std::size_t entry, const VoxelComponent& choice) override {
+    return convention_->grid ? convention_->grid(tree_, entries_[entry], choice) : std::nullopt;
+  }
+  std::shared_ptr<ArrayFile> arrays() const override { return tree_.file(); }
 
  private:
   DatasetTree tree_;

@@ -2,6 +2,8 @@
 
 #include "app/formats/common/dataset_list.h"
 #include "app/formats/common/mesh_asset.h"
+#include "app/formats/datasets/arrays/array_file.h"
+#include "app/formats/datasets/conventions/grid_rows.h"
 #include "app/formats/volume/volume_common.h"
 
 #include <cstddef>
@@ -25,6 +27,12 @@ class DatasetFile {
   [[nodiscard]] virtual VolumeResult volume(std::size_t entry, const VoxelComponent& choice) = 0;
   /// Reads a dataset with DatasetForm::mesh. Reports problems. Throws OutOfBudget.
   virtual void mesh(std::size_t entry, const VoxelComponent& choice, MeshBuilder& builder) = 0;
+  /// Returns the arrays of an unstructured grid that can be read in parts. Returns nullopt for other datasets.
+  [[nodiscard]] virtual std::optional<GridRows> grid(std::size_t /*entry*/, const VoxelComponent& /*choice*/) {
+    return std::nullopt;
+  }
+  /// Returns the file that has the arrays of grid(). Null for files without grids.
+  [[nodiscard]] virtual std::shared_ptr<ArrayFile> arrays() const { return nullptr; }
 };
 
 /// File to open: its format, and its content as a volume's file has it.

@@ -45,12 +45,59 @@ std::vector<ExodusVariable> variables_of(DatasetTree& tree) {
   return all;
 }
 
+/// Returns the element type of a block. Returns null for unsupported types.
+const ExodusElement* block_element(DatasetTree& tree, const ArrayInfo& connections) {
+  std::string kind = tree.text(connections.path, "elem_type");
+  for (char& c : kind) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c;
+  const auto* const element =
+      std::ranges::find_if(kExodusElements, [&](const ExodusElement& one) { return kind.starts_with(one.name); });
+  const auto& shape = connections.shape;
+  return element != std::end(kExodusElements) && shape.size() == 2 && shape[1] >= element->corners ? element : nullptr;
+}
+
+/// Returns the array of a variable: at nodes, or in an element block.
+std::string variable_path(const DatasetTree& tree, const ExodusVariable& variable, std::size_t block) {
+  const std::string separate = variable.of_nodes ? numbered("/vals_nod_var", variable.number)
+                                                 : numbered(numbered("/vals_elem_var", variable.number) + "eb", block);
+  return tree.find(separate) || !variable.of_nodes ? separate : "/vals_nod_var";
+}
+
+std::optional<ExodusVariable> variable_of(DatasetTree& tree, const DatasetEntry& entry) {
+  for (ExodusVariable& one : variables_of(tree))
+    if (entry.path == (one.of_nodes ? "/nodes/" : "/elements/") + one.name) return std::move(one);
+  return std::nullopt;
+}
+
+/// Returns the rows of a variable in a step. Returns no rows if the file lacks them.
+ArrayRows variable_rows(const DatasetTree& tree, const ExodusVariable& variable, std::size_t block, std::uint64_t step,
+                        std::uint64_t rows) {
+  const std::string path = variable_path(tree, variable, block);
+  const ArrayInfo* const array = tree.find(path);
+  if (!array || array->shape.empty() || step >= array->shape[0]) return {};
+  if (array->shape.size() == 2) return {path, {step}, 0, rows};
+  return array->shape.size() == 3 && variable.number <= array->shape[1]
+             ? ArrayRows{path, {step, variable.number - 1}, 0, rows}
+             : ArrayRows();
+}
+
+/// Returns the rows of the coordinates: an array of all axes, or an array of each axis.
+std::vector<ArrayRows> coordinate_rows(const DatasetTree& tree) {
+  std::vector<ArrayRows> axes;
+  if (const ArrayInfo* const all = tree.find("/coord")) {
+    for (std::uint64_t i = 0; all->shape.size() == 2 && all->shape[0] <= 3 && i < all->shape[0]; ++i)
+      axes.push_back({all->path, {i}, 0, all->shape[1]});
+    return axes;
+  }
+  for (const char* const name : {"/coordx", "/coordy", "/coordz"})
+    if (const ArrayInfo* const one = tree.find(name); one && one->shape.size() == 1)
+      axes.push_back({name, {}, 0, one->shape[0]});
+  return axes;
+}
+
 /// Reads the row of a step: of a variable at nodes, or of an element block.
 std::optional<std::vector<double>> variable_row(DatasetTree& tree, const ExodusVariable& variable, std::size_t block,
                                                 std::uint64_t step, MeshBuilder& builder) {
-  const std::string separate = variable.of_nodes ? numbered("/vals_nod_var", variable.number)
-                                                 : numbered(numbered("/vals_elem_var", variable.number) + "eb", block);
-  const std::string path = tree.find(separate) || !variable.of_nodes ? separate : "/vals_nod_var";
+  const std::string path = variable_path(tree, variable, block);
   const ArrayInfo* const array = tree.find(path);
   if (!array || array->shape.empty() || step >= array->shape[0]) return std::nullopt;
   builder.draw(0);
@@ -66,6 +113,16 @@ std::optional<std::vector<double>> variable_row(DatasetTree& tree, const ExodusV
   if (first + nodes > row.size()) return std::nullopt;
   return std::vector<double>(row.begin() + static_cast<std::ptrdiff_t>(first),
                              row.begin() + static_cast<std::ptrdiff_t>(first + nodes));
+}
+
+/// Returns the times of the steps, and the number of the chosen step, which may not exist.
+std::pair<std::vector<double>, std::size_t> exodus_step(DatasetTree& tree, const VoxelComponent& choice) {
+  auto read = tree.find("/time_whole") ? tree.values("/time_whole") : std::variant<std::vector<double>, std::string>();
+  auto* const times = std::get_if<std::vector<double>>(&read);
+  std::vector<double> all = times ? std::move(*times) : std::vector<double>();
+  const qnv::ShownStep wanted = choice.step.value_or(qnv::ShownStep());
+  const std::size_t step = wanted.time && !all.empty() ? qnv::step_number(wanted, all) : wanted.number;
+  return {std::move(all), step};
 }
 
 bool add_exodus_points(DatasetTree& tree, PolyData& data, MeshBuilder& builder) {
@@ -146,19 +203,14 @@ VolumeResult exodus_volume(DatasetTree&, const DatasetEntry& entry, const VoxelC
 }
 
 void exodus_mesh(DatasetTree& tree, const DatasetEntry& entry, const VoxelComponent& choice, MeshBuilder& builder) {
-  std::optional<ExodusVariable> shown;
-  for (const ExodusVariable& one : variables_of(tree))
-    if (entry.path == (one.of_nodes ? "/nodes/" : "/elements/") + one.name) shown = one;
-  auto read = tree.find("/time_whole") ? tree.values("/time_whole") : std::variant<std::vector<double>, std::string>();
-  const auto* const times = std::get_if<std::vector<double>>(&read);
-  const std::size_t steps = times ? times->size() : 0;
-  if (choice.found && times) choice.found->times = *times;
-  const qnv::ShownStep wanted = choice.step.value_or(qnv::ShownStep());
-  const std::size_t step = wanted.time && steps > 0 ? qnv::step_number(wanted, *times) : wanted.number;
+  const std::optional<ExodusVariable> shown = variable_of(tree, entry);
+  const auto [times, step] = exodus_step(tree, choice);
+  const std::size_t steps = times.size();
+  if (choice.found && steps > 0) choice.found->times = times;
   if (step >= std::max<std::size_t>(steps, 1))
     return builder.fail("no step " + std::to_string(step) + "; expected 0 to " +
                         std::to_string(std::max<std::size_t>(steps, 1) - 1));
-  if (steps > 1 && shown) builder.set_steps({*times, step});
+  if (steps > 1 && shown) builder.set_steps({times, step});
   if (steps > 1 && !choice.step && shown)
     builder.note("step 0 of " + std::to_string(steps) + " is shown (--time chooses another)");
   PolyData data;
@@ -169,11 +221,8 @@ void exodus_mesh(DatasetTree& tree, const DatasetEntry& entry, const VoxelCompon
     const std::string path = numbered("/connect", block);
     const ArrayInfo* const array = tree.find(path);
     if (!array) break;
-    std::string kind = tree.text(path, "elem_type");
-    for (char& c : kind) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c;
-    const auto* const element =
-        std::ranges::find_if(kExodusElements, [&](const ExodusElement& one) { return kind.starts_with(one.name); });
-    if (element == std::end(kExodusElements) || array->shape.size() != 2 || array->shape[1] < element->corners) {
+    const ExodusElement* const element = block_element(tree, *array);
+    if (!element) {
       ++unknown;
       continue;
     }
@@ -204,6 +253,37 @@ void exodus_mesh(DatasetTree& tree, const DatasetEntry& entry, const VoxelCompon
   if (std::ranges::all_of(data.of_cells.values, [](float value) { return std::isnan(value); })) data.of_cells = {};
   if (!grid.types.empty()) add_grid(grid, data, builder);
   build_poly_data(std::move(data), builder);
+}
+
+std::optional<GridRows> exodus_grid(DatasetTree& tree, const DatasetEntry& entry, const VoxelComponent& choice) {
+  const std::optional<ExodusVariable> shown = variable_of(tree, entry);
+  const auto [times, step] = exodus_step(tree, choice);
+  const std::vector<ArrayRows> places = coordinate_rows(tree);
+  if (step >= std::max<std::size_t>(times.size(), 1) || places.empty()) return std::nullopt;
+  GridRows grid;
+  for (std::size_t block = 1; block <= kMostBlocks; ++block) {
+    const ArrayInfo* const array = tree.find(numbered("/connect", block));
+    if (!array) break;
+    const ExodusElement* const element = block_element(tree, *array);
+    if (!element) return std::nullopt;
+    if (array->shape[0] == 0) continue;
+    GridPartRows part;
+    part.points = places.front().rows;
+    part.cells = array->shape[0];
+    part.places = places;
+    part.element = element->vtk;
+    part.corners = {array->path, {}, 0, part.cells, element->corners, 1};
+    if (shown) part.values = variable_rows(tree, *shown, block, step, shown->of_nodes ? part.points : part.cells);
+    grid.has_values = grid.has_values || !part.values.empty();
+    grid.parts.push_back(std::move(part));
+  }
+  if (shown && grid.has_values) {
+    PolyData::Data title;
+    set_title(shown->name, 1, {}, choice, title);
+    grid.title = title.title;
+    grid.of_points = shown->of_nodes;
+  }
+  return grid;
 }
 
 }  // namespace gs::app

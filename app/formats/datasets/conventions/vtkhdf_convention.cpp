@@ -1,6 +1,7 @@
 #include "app/formats/datasets/conventions/conventions_table.h"
 #include "app/formats/datasets/conventions/mesh_arrays.h"
 #include "app/formats/datasets/conventions/vtkhdf_amr.h"
+#include "app/formats/datasets/conventions/vtkhdf_grid.h"
 #include "app/formats/vtk/grid_cells.h"
 
 #include <algorithm>
@@ -13,64 +14,37 @@
 namespace gs::app {
 namespace {
 
-constexpr std::string_view kPointFolder = "/VTKHDF/PointData", kCellFolder = "/VTKHDF/CellData";
-constexpr const char* kRootPath = "/VTKHDF";
 constexpr std::string_view kAmrType = "OverlappingAMR";
-
-std::string vtkhdf_type(DatasetTree& tree) {
-  const std::string stated = tree.text(kRootPath, "Type");
-  if (!stated.empty()) return stated;
-  // Early files have no type.
-  return tree.find("/VTKHDF/Types") ? "UnstructuredGrid" : tree.attribute(kRootPath, "WholeExtent") ? "ImageData" : "";
-}
-
-bool in_folder(const std::string& path, std::string_view folder) {
-  return path.size() > folder.size() + 1 && path.starts_with(folder) && path[folder.size()] == '/' &&
-         path.find('/', folder.size() + 1) == std::string::npos;
-}
-
-std::size_t parts_of(const ArrayInfo& array, std::size_t axes) {
-  std::size_t parts = array.parts;
-  for (std::size_t i = axes; i < array.shape.size(); ++i) parts *= static_cast<std::size_t>(array.shape[i]);
-  return parts;
-}
-
-std::vector<double> step_times(DatasetTree& tree) {
-  auto read = tree.find("/VTKHDF/Steps/Values") ? tree.values("/VTKHDF/Steps/Values")
-                                                : std::variant<std::vector<double>, std::string>();
-  auto* const times = std::get_if<std::vector<double>>(&read);
-  return times ? std::move(*times) : std::vector<double>();
-}
 
 /// Reads the mesh of a step.
 class VtkhdfMesh {
  public:
   VtkhdfMesh(DatasetTree& tree, std::string shown, const VoxelComponent& choice, MeshBuilder& builder)
-      : tree_(tree), shown_(std::move(shown)), choice_(choice), builder_(builder) {}
+      : tree_(tree), shown_(std::move(shown)), choice_(choice), builder_(builder), step_(tree) {}
 
   void run() {
     const bool grid = vtkhdf_type(tree_) == "UnstructuredGrid";
     choose_step();
     const std::vector<double> points = counts("/VTKHDF/NumberOfPoints");
-    double point = offset("PointOffsets", 0);
+    double point = step_.offset("PointOffsets", 0);
     std::array<Progress, PolyData::kKinds> progress{};
     static constexpr const char* kFolders[] = {"/VTKHDF/Vertices", "/VTKHDF/Lines", "/VTKHDF/Polygons",
                                                "/VTKHDF/Strips"};
     for (std::size_t kind = 0; kind < progress.size(); ++kind) {
       Progress& one = progress[kind];
-      one.folder = grid ? kRootPath : kFolders[kind];
+      one.folder = grid ? kVtkhdfRoot : kFolders[kind];
       one.cells = counts(one.folder + "/NumberOfCells");
       one.ids = counts(one.folder + "/NumberOfConnectivityIds");
-      one.cell = offset("CellOffsets", grid ? 0 : kind);
-      one.id = offset("ConnectivityIdOffsets", grid ? 0 : kind);
+      one.cell = step_.offset("CellOffsets", grid ? 0 : kind);
+      one.id = step_.offset("ConnectivityIdOffsets", grid ? 0 : kind);
     }
-    const bool of_points = in_folder(shown_, kPointFolder), of_cells = in_folder(shown_, kCellFolder);
+    const bool of_points = is_in_folder(shown_, kVtkhdfPointData), of_cells = is_in_folder(shown_, kVtkhdfCellData);
     double cell_data = 0;
     for (const Progress& one : progress) cell_data += grid && &one != progress.data() ? 0 : one.cell;
     const std::string data_offsets = of_points ? "PointDataOffsets/" : "CellDataOffsets/";
-    double data_row = offset(data_offsets + name_of_path(shown_), 0, of_points ? point : cell_data);
-    double ghost_point = offset("PointDataOffsets/" + std::string(kGhostArray), 0, point);
-    double ghost_cell = offset("CellDataOffsets/" + std::string(kGhostArray), 0, cell_data);
+    double data_row = step_.offset(data_offsets + name_of_path(shown_), 0, of_points ? point : cell_data);
+    double ghost_point = step_.offset("PointDataOffsets/" + std::string(kGhostArray), 0, point);
+    double ghost_cell = step_.offset("CellDataOffsets/" + std::string(kGhostArray), 0, cell_data);
     for (std::size_t part = 0; part < points.size() && !failed_; ++part) {
       const std::size_t first_point = data_.points.size();
       if (!add_points(point, points[part])) return;
@@ -80,8 +54,8 @@ class VtkhdfMesh {
         if (!add_cells(progress[kind], part, first_point, points[part], grid ? grid_.cells : data_.cells[kind], grid))
           return;
       }
-      add_flags(kPointFolder, ghost_point, points[part], ghost_points_);
-      add_flags(kCellFolder, ghost_cell, cells, ghost_cells_);
+      add_flags(kVtkhdfPointData, ghost_point, points[part], ghost_points_);
+      add_flags(kVtkhdfCellData, ghost_cell, cells, ghost_cells_);
       ghost_point += points[part];
       ghost_cell += cells;
       if (of_points || of_cells) {
@@ -117,43 +91,23 @@ class VtkhdfMesh {
   };
 
   void choose_step() {
-    const std::vector<double> times = step_times(tree_);
-    if (choice_.found) choice_.found->times = times;
-    const double stated = tree_.number("/VTKHDF/Steps", "NSteps").value_or(0);
-    steps_ = stated >= 1 && stated < 1e9 ? static_cast<std::uint64_t>(stated) : times.size();
-    if (steps_ == 0) return;
-    const qnv::ShownStep wanted = choice_.step.value_or(qnv::ShownStep());
-    step_ = wanted.time && !times.empty() ? qnv::step_number(wanted, times) : wanted.number;
-    if (step_ >= steps_) {
-      builder_.fail("no step " + std::to_string(step_) + "; expected 0 to " + std::to_string(steps_ - 1));
+    if (auto wrong = step_.choose(choice_)) {
+      builder_.fail(std::move(*wrong));
       failed_ = true;
       return;
     }
-    if (times.size() == steps_) builder_.set_steps({times, static_cast<std::size_t>(step_)});
-    if (steps_ > 1 && !choice_.step)
-      builder_.note("step 0 of " + std::to_string(steps_) + " is shown (--time chooses another)");
-    part_ = offset("PartOffsets", 0);
-    parts_ = static_cast<std::uint64_t>(std::max(offset("NumberOfParts", 0, 1), 0.0));
-  }
-
-  /// Returns a number of the step in an array of the group Steps.
-  double offset(const std::string& name, std::size_t column, double otherwise = 0) {
-    const std::string path = "/VTKHDF/Steps/" + name;
-    if (steps_ == 0 || !tree_.find(path)) return otherwise;
-    auto read = tree_.rows(path, step_, 1);
-    const auto* const row = std::get_if<std::vector<double>>(&read);
-    if (!row || row->empty()) return otherwise;
-    const double found = (*row)[std::min(column, row->size() - 1)];
-    return found >= 0 && found < 1e15 ? found : otherwise;
+    if (step_.steps() == 0) return;
+    if (step_.times().size() == step_.steps())
+      builder_.set_steps({step_.times(), static_cast<std::size_t>(step_.step())});
+    if (step_.steps() > 1 && !choice_.step)
+      builder_.note("step 0 of " + std::to_string(step_.steps()) + " is shown (--time chooses another)");
   }
 
   /// Returns the numbers of the parts of the step.
   std::vector<double> counts(const std::string& path) {
     const ArrayInfo* const array = tree_.find(path);
     if (!array || array->shape.empty() || failed_) return {};
-    const std::uint64_t all = array->shape[0];
-    const auto first = steps_ > 0 ? static_cast<std::uint64_t>(part_) : 0;
-    const std::uint64_t count = steps_ > 0 ? parts_ : all;
+    const auto [first, count] = step_.parts_of_step(*array);
     auto read = numbers(path, static_cast<double>(first), static_cast<double>(count));
     return read ? std::move(*read) : std::vector<double>();
   }
@@ -191,7 +145,7 @@ class VtkhdfMesh {
     if (count == 0) return advance(), true;
     // Each part has one more offset than cells. Some writers count those of earlier steps, too.
     std::optional<std::vector<double>> offsets;
-    for (const double more : {0.0, part_}) {
+    for (const double more : {0.0, step_.part()}) {
       const ArrayInfo* const array = tree_.find(from.folder + "/Offsets");
       const double first = from.cell + static_cast<double>(from.read) + more;
       if (!array || array->shape.empty() || first + count + 1 > static_cast<double>(array->shape[0])) continue;
@@ -229,7 +183,7 @@ class VtkhdfMesh {
   void add_data(double first, double rows, PolyData::Data& data) {
     const ArrayInfo* const array = tree_.find(shown_);
     if (!array || rows == 0) return;
-    const std::size_t parts = parts_of(*array, 1);
+    const std::size_t parts = parts_of_array(*array, 1);
     const auto read = numbers(shown_, first, rows);
     if (!read) return;
     builder_.draw(static_cast<std::uint64_t>(rows) * sizeof(float));
@@ -253,17 +207,16 @@ class VtkhdfMesh {
   std::string shown_;
   const VoxelComponent& choice_;
   MeshBuilder& builder_;
+  VtkhdfStep step_;
   PolyData data_;
   GridCells grid_;
   GhostFlags ghost_points_, ghost_cells_;
-  std::uint64_t steps_ = 0, step_ = 0, parts_ = 0;
-  double part_ = 0;
   bool failed_ = false;
 };
 
 }  // namespace
 
-bool suits_vtkhdf(DatasetTree& tree) { return tree.has_group(kRootPath) && !vtkhdf_type(tree).empty(); }
+bool suits_vtkhdf(DatasetTree& tree) { return tree.has_group(kVtkhdfRoot) && !vtkhdf_type(tree).empty(); }
 
 std::vector<DatasetEntry> list_vtkhdf(DatasetTree& tree) {
   const std::string type = vtkhdf_type(tree);
@@ -272,16 +225,17 @@ std::vector<DatasetEntry> list_vtkhdf(DatasetTree& tree) {
   std::vector<DatasetEntry> all;
   for (const ArrayInfo& array : tree.arrays()) {
     DatasetEntry entry = entry_of(tree, array);
-    const bool of_points = in_folder(array.path, kPointFolder), of_cells = in_folder(array.path, kCellFolder);
+    const bool of_points = is_in_folder(array.path, kVtkhdfPointData),
+               of_cells = is_in_folder(array.path, kVtkhdfCellData);
     if (is_readable(array) && (of_points || of_cells) &&
         (image ? array.shape.size() >= 2 : mesh && !array.shape.empty())) {
       entry.form = image ? DatasetForm::volume : DatasetForm::mesh;
       entry.note = of_points ? "data of points" : "data of cells";
       const bool active =
-          tree.text(std::string(of_points ? kPointFolder : kCellFolder), "Scalars") == name_of_path(array.path);
+          tree.text(std::string(of_points ? kVtkhdfPointData : kVtkhdfCellData), "Scalars") == name_of_path(array.path);
       entry.is_minor = is_bookkeeping(array.path);
       entry.rank = is_bookkeeping(array.path) ? 1 : (of_points ? 20 : 10) + (active ? 5 : 0);
-      if (!image && parts_of(array, 1) == 1) entry.rank += 2;
+      if (!image && parts_of_array(array, 1) == 1) entry.rank += 2;
     } else if (mesh && array.path == "/VTKHDF/Points" && is_readable(array)) {
       entry.form = DatasetForm::mesh;
       entry.note = "the mesh without data";
@@ -306,14 +260,15 @@ VolumeResult vtkhdf_volume(DatasetTree& tree, const DatasetEntry& entry, const V
   spec.axes.resize(array->shape.size());
   read_common_attributes(tree, *array, spec);
   for (GridAxis& axis : spec.axes) axis = {};
-  std::vector<double> extent = tree.numbers(kRootPath, "WholeExtent"), origin = tree.numbers(kRootPath, "Origin");
-  std::vector<double> spacing = tree.numbers(kRootPath, "Spacing"), direction = tree.numbers(kRootPath, "Direction");
+  std::vector<double> extent = tree.numbers(kVtkhdfRoot, "WholeExtent"), origin = tree.numbers(kVtkhdfRoot, "Origin");
+  std::vector<double> spacing = tree.numbers(kVtkhdfRoot, "Spacing"),
+                      direction = tree.numbers(kVtkhdfRoot, "Direction");
   if (extent.size() != 6) extent = {0, 0, 0, 0, 0, 0};
   if (origin.size() != 3) origin = {0, 0, 0};
   if (spacing.size() != 3) spacing = {1, 1, 1};
   if (direction.size() != 9) direction = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  const bool of_points = in_folder(entry.path, kPointFolder);
-  const std::vector<double> times = step_times(tree);
+  const bool of_points = is_in_folder(entry.path, kVtkhdfPointData);
+  const std::vector<double> times = vtkhdf_times(tree);
   const bool series = times.size() > 0 && array->shape.size() >= 4 && array->shape[0] == times.size();
   std::size_t axis = 0;
   if (series) {

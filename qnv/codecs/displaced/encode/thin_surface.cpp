@@ -10,8 +10,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <optional>
+#include <string>
 #include <utility>
 
 namespace gs::qnv {
@@ -208,6 +210,47 @@ std::variant<std::optional<ThinnedSurface>, EncodeError> merged_surface(EncodeRa
   return surface_of(lattice, merged, std::get<std::vector<CellTriangle>>(triangles));
 }
 
+/// Numbers of positions and of triangles, which precede a stored surface.
+using ThinnedSizes = std::array<std::uint64_t, 2>;
+static_assert(sizeof(Rgb8) == 3);
+
+std::vector<std::byte> stored_form(const ThinnedSurface& surface) {
+  const ThinnedSizes sizes{surface.positions.size(), surface.triangles.size()};
+  std::vector<std::byte> bytes;
+  const auto add = [&](const auto& list) {
+    const auto part = std::as_bytes(std::span(list));
+    bytes.insert(bytes.end(), part.begin(), part.end());
+  };
+  add(sizes);
+  add(surface.positions);
+  add(surface.colors);
+  add(surface.triangles);
+  return bytes;
+}
+
+/// Returns the surface of stored_form(). Returns nullopt for other bytes, or for more than `most` triangles.
+std::optional<ThinnedSurface> surface_in(std::span<const std::byte> bytes, std::size_t most) {
+  ThinnedSizes sizes{};
+  if (bytes.size() < sizeof sizes) return std::nullopt;
+  std::memcpy(sizes.data(), bytes.data(), sizeof sizes);
+  bytes = bytes.subspan(sizeof sizes);
+  if (sizes[0] > most || sizes[1] > most || bytes.size() != 15 * sizes[0] + 12 * sizes[1]) return std::nullopt;
+  ThinnedSurface surface;
+  const auto take = [&](auto& list, std::uint64_t count) {
+    list.resize(static_cast<std::size_t>(count));
+    const std::size_t size = std::as_bytes(std::span(list)).size();
+    if (size > 0) std::memcpy(static_cast<void*>(list.data()), bytes.data(), size);
+    bytes = bytes.subspan(size);
+  };
+  take(surface.positions, sizes[0]);
+  take(surface.colors, sizes[0]);
+  take(surface.triangles, sizes[1]);
+  for (const auto& corners : surface.triangles)
+    for (const std::uint32_t corner : corners)
+      if (corner >= sizes[0]) return std::nullopt;
+  return surface;
+}
+
 }  // namespace
 
 TriangleSource ThinnedSurface::source() const {
@@ -232,6 +275,9 @@ std::variant<ThinnedSurface, EncodeError> thin_surface(EncodeRanks& shared, cons
                                                        const SurfaceSurvey& survey, std::size_t most,
                                                        Progress* progress) {
   if (!survey.sound()) return EncodeError{"no surface to encode; expected triangles with an area"};
+  const std::string work = "thinned " + std::to_string(most);
+  if (const auto earlier = earlier_result(shared, work))
+    if (auto surface = surface_in(*earlier, most)) return std::move(*surface);
   auto estimated = estimated_cell_edge(shared, source, survey, most, progress);
   if (auto* failed = std::get_if<EncodeError>(&estimated)) return std::move(*failed);
   const auto coarsest = static_cast<float>(coarsest_cell_edge(survey.box));
@@ -243,7 +289,10 @@ std::variant<ThinnedSurface, EncodeError> thin_surface(EncodeRanks& shared, cons
     }
     auto merged = merged_surface(shared, source, {survey.box.lower, edge}, most, progress);
     if (auto* failed = std::get_if<EncodeError>(&merged)) return std::move(*failed);
-    if (auto& surface = std::get<std::optional<ThinnedSurface>>(merged)) return std::move(*surface);
+    if (auto& surface = std::get<std::optional<ThinnedSurface>>(merged)) {
+      if (auto failed = record_result(shared, work, stored_form(*surface))) return std::move(*failed);
+      return std::move(*surface);
+    }
     if (edge >= coarsest) return EncodeError{"the surface cannot be simplified enough"};
   }
 }

@@ -3,6 +3,7 @@
 #include <glm/common.hpp>
 
 #include <algorithm>
+#include <cstring>
 #include <numeric>
 #include <utility>
 
@@ -16,6 +17,25 @@ struct ChunkCandidate {
   std::uint32_t record = 0;
 };
 
+/// Head of finished records. The records and the indices of the clusters follow.
+struct FinishedHead {
+  std::uint32_t first_id = 0, records = 0, clusters = 0, unused = 0;
+  std::uint64_t bytes = 0;
+};
+
+template <class T>
+void append_items(std::vector<std::byte>& to, std::span<const T> items) {
+  const auto bytes = std::as_bytes(items);
+  to.insert(to.end(), bytes.begin(), bytes.end());
+}
+
+template <class T>
+std::vector<T> items_at(std::span<const std::byte> from, std::size_t count) {
+  std::vector<T> items(count);
+  if (count > 0) std::memcpy(static_cast<void*>(items.data()), from.data(), count * sizeof(T));
+  return items;
+}
+
 }  // namespace
 
 std::optional<std::uint64_t> SharedStore::add(std::span<const std::byte> bytes) {
@@ -27,6 +47,27 @@ std::optional<std::uint64_t> SharedStore::add(std::span<const std::byte> bytes) 
 bool SharedStore::read(std::uint64_t offset, std::span<std::byte> to) const {
   const std::scoped_lock lock(mutex_);
   return store_.read(offset, to);
+}
+
+std::optional<std::uint64_t> SharedStore::finish(std::string_view work, std::span<const std::byte> bytes,
+                                                 std::span<const std::byte> result) {
+  const std::scoped_lock lock(mutex_);
+  const std::uint64_t offset = store_.size();
+  std::vector<std::byte> record;
+  append_items(record, std::span(&offset, 1));
+  append_items(record, result);
+  return store_.append(bytes) && store_.finish(work, offset, record) ? std::optional(offset) : std::nullopt;
+}
+
+// Takes no lock: only results of earlier runs are read, which no thread changes.
+std::optional<SharedStore::Finished> SharedStore::finished(std::string_view work) const {
+  auto record = store_.finished(work);
+  Finished found;
+  if (!record || record->size() < sizeof found.offset) return std::nullopt;
+  std::memcpy(&found.offset, record->data(), sizeof found.offset);
+  record->erase(record->begin(), record->begin() + sizeof found.offset);
+  found.result = std::move(*record);
+  return found;
 }
 
 std::string SharedStore::problem() const {
@@ -64,6 +105,42 @@ bool ChunkRecords::add(const EncodedCluster& cluster, std::span<const EncodedHar
     if (!store(chunk.bytes)) return false;
   }
   return true;
+}
+
+std::unique_ptr<ChunkRecords> ChunkRecords::finish(std::string_view work, const SpillStore& bytes,
+                                                   SharedStore& store) const {
+  std::vector<std::byte> all(static_cast<std::size_t>(bytes.size())), result;
+  if (!bytes.read(0, all)) return nullptr;
+  const FinishedHead head{first_id_, static_cast<std::uint32_t>(records_.size()),
+                          static_cast<std::uint32_t>(clusters_.size()), 0, all.size()};
+  append_items(result, std::span(&head, 1));
+  append_items(result, records());
+  append_items(result, clusters());
+  const auto offset = store.finish(work, all, result);
+  if (!offset) return nullptr;
+  auto moved = std::make_unique<ChunkRecords>(store, first_id_, records_, clusters_);
+  for (ChunkRecord& record : moved->records_) record.offset += *offset;
+  return moved;
+}
+
+std::unique_ptr<ChunkRecords> ChunkRecords::finished(std::string_view work, std::uint32_t first_id,
+                                                     SharedStore& store) {
+  const auto found = store.finished(work);
+  if (!found || found->result.size() < sizeof(FinishedHead)) return nullptr;
+  const std::span<const std::byte> rest(found->result);
+  const FinishedHead head = items_at<FinishedHead>(rest, 1).front();
+  const std::size_t all = head.records * sizeof(ChunkRecord);
+  if (head.first_id != first_id || rest.size() != sizeof head + all + head.clusters * sizeof(std::uint32_t))
+    return nullptr;
+  auto kept = std::make_unique<ChunkRecords>(store, first_id);
+  kept->records_ = items_at<ChunkRecord>(rest.subspan(sizeof head), head.records);
+  kept->clusters_ = items_at<std::uint32_t>(rest.subspan(sizeof head + all), head.clusters);
+  for (ChunkRecord& record : kept->records_) {
+    if (record.offset > head.bytes || record.bytes > head.bytes - record.offset) return nullptr;
+    record.offset += found->offset;
+  }
+  const bool in_range = std::ranges::all_of(kept->clusters_, [&](std::uint32_t i) { return i < head.records; });
+  return in_range ? std::move(kept) : nullptr;
 }
 
 void ChunkRecords::append_to(std::vector<ChunkRecord>& all, std::vector<std::uint32_t>& clusters) const {

@@ -8,10 +8,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace gs::qnv::gaussians {
@@ -32,12 +34,24 @@ struct ChunkRecord {
 /// Store of bytes. Any thread.
 class SharedStore {
  public:
+  /// Bytes of finished work in the store, and its result.
+  struct Finished {
+    std::uint64_t offset = 0;
+    std::vector<std::byte> result;
+  };
+
   explicit SharedStore(SpillStore& store) : store_(store) {}
 
   /// Adds bytes. Returns their offset, or nullopt if they cannot be stored.
   [[nodiscard]] std::optional<std::uint64_t> add(std::span<const std::byte> bytes);
   [[nodiscard]] bool read(std::uint64_t offset, std::span<std::byte> to) const;
   [[nodiscard]] std::string problem() const;
+
+  /// Adds the bytes of finished work, and records it for later runs. Returns their offset, or nullopt on failure.
+  [[nodiscard]] std::optional<std::uint64_t> finish(std::string_view work, std::span<const std::byte> bytes,
+                                                    std::span<const std::byte> result);
+  /// Returns work that an earlier run finished. Returns nullopt if there is none, or if its bytes are damaged.
+  [[nodiscard]] std::optional<Finished> finished(std::string_view work) const;
 
  private:
   SpillStore& store_;
@@ -66,6 +80,14 @@ class ChunkRecords {
   void append_to(std::vector<ChunkRecord>& all, std::vector<std::uint32_t>& clusters) const;
   [[nodiscard]] std::span<const ChunkRecord> records() const { return records_; }
   [[nodiscard]] std::span<const std::uint32_t> clusters() const { return clusters_; }
+
+  /// Moves the bytes of all chunks to `store`, and records them as finished work. `bytes` must be the only content of
+  /// the store of these records. Returns nullptr if `store` is full.
+  [[nodiscard]] std::unique_ptr<ChunkRecords> finish(std::string_view work, const SpillStore& bytes,
+                                                     SharedStore& store) const;
+  /// Returns the records that an earlier run finished. Returns nullptr if there are none with this `first_id`.
+  [[nodiscard]] static std::unique_ptr<ChunkRecords> finished(std::string_view work, std::uint32_t first_id,
+                                                              SharedStore& store);
 
  private:
   SharedStore& store_;

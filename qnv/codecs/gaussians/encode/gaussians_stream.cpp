@@ -2,6 +2,7 @@
 
 #include "qnv/codecs/gaussians/encode/parted_encoder.h"
 #include "qnv/codecs/gaussians/encode/stream_plan.h"
+#include "qnv/codecs/gaussians/encode/visibility.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -35,13 +36,18 @@ std::variant<EncodedStream, EncodeError> encode_whole(const GaussianSource& sour
   for (const glm::vec3& p : splats.positions) box.add(p);
   StreamPlan plan = plan_of(source, splats, box, options);
   const Box& own = source.base.description.box;
-  const auto tree = MergeTree::join(leaves_of(splats, own.empty() ? box : own, plan.detail), plan.detail, 1,
+  const std::vector<float> visibility = visibility_of(splats, options.threads, progress);
+  if (visibility.empty()) return EncodeError{"cancelled"};
+  const auto tree = MergeTree::join(leaves_of(splats, own.empty() ? box : own, plan.detail, visibility), plan.detail, 1,
                                     options.threads, progress);
   if (!tree) return EncodeError{"cancelled"};
   MemoryStore memory;
   SharedStore store(options.spill ? *options.spill : memory);
   ChunkRecords records(store, 0);
+  const auto fitted = fit_nodes(*tree, {{}, source.antialiased, options.vectors}, options.threads, progress);
+  if (!fitted) return EncodeError{"cancelled"};
   ClusterWork work{splats, *tree, plan.precision};
+  work.fitted = &*fitted;
   if (!encode_chunks(work, {}, MeanHarmonics(*tree, splats), options, records, nullptr, progress))
     return EncodeError{is_cancelled(progress) ? "cancelled" : store.problem()};
   std::vector<ChunkRecord> all;

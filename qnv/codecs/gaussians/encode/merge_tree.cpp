@@ -1,6 +1,7 @@
 #include "qnv/codecs/gaussians/encode/merge_tree.h"
 
 #include "qnv/base/morton.h"
+#include "qnv/codecs/gaussians/encode/visibility.h"
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -16,7 +17,7 @@ namespace gs::qnv::gaussians {
 namespace {
 
 // Largest growth of the covariance of a merged Gaussian; it replaces opacities above 1.
-constexpr float kMostGrowth = 3;
+constexpr float kMostGrowth = 1.5f;
 // Blurred details, relative to the median distance from the middle.
 constexpr float kDetail = 1.0f / 300;
 // Squared contrast between a Gaussian and what is behind it, summed over the colours.
@@ -30,11 +31,13 @@ constexpr float kMostCost = 1e24f;
 
 using Covariance = std::array<float, 6>;
 
-/// Two blobs as one.
+/// Two blobs as one. They cover together what they cover alone.
 Blob merged(const Blob& a, const Blob& b) {
   Blob all;
   all.weight = a.weight + b.weight;
   const float share = all.weight > 0 ? b.weight / all.weight : 0.5f, rest = 1 - share;
+  all.visibility = rest * a.visibility + share * b.visibility;
+  all.cover = (a.cover * a.visibility + b.cover * b.visibility) / all.visibility;
   const glm::vec3 apart = b.mean - a.mean;
   all.mean = a.mean + apart * share;
   all.color = a.color * rest + b.color * share;
@@ -47,7 +50,7 @@ Blob merged(const Blob& a, const Blob& b) {
 
 BlobLook look_of(const Blob& blob, float detail, bool leaf) {
   const float area = area_of(blob.covariance, detail);
-  BlobLook look{blob.covariance, area > 0 ? blob.weight / area : 0};
+  BlobLook look{blob.covariance, area > 0 ? blob.cover / area : 0};
   if (leaf) {
     look.opacity = std::min(look.opacity, 1.0f);
     return look;
@@ -65,16 +68,21 @@ struct Flat {
   float r, g, b, a;  // colour times opacity, relative to grey; opacity with the weight of its contrast
 };
 
-float product(const Flat& p, const Flat& q) {
-  const float weight = p.r * q.r + p.g * q.g + p.b * q.b + p.a * q.a;
+/// Returns the integral of the product of two Gaussians with peaks of 1, divided by 2 pi.
+float overlap(const Flat& p, const Flat& q) {
   const float xx = p.xx + q.xx, xy = p.xy + q.xy, yy = p.yy + q.yy, x = p.x - q.x, y = p.y - q.y;
   const float determinant = xx * yy - xy * xy;
   if (!(determinant > 0)) return 0;
   const float dp = p.xx * p.yy - p.xy * p.xy, dq = q.xx * q.yy - q.xy * q.xy;
   const float power = -0.5f * (yy * x * x - 2 * xy * x * y + xx * y * y) / determinant;
   if (power < -20) return 0;
-  return weight * std::sqrt(std::max(dp * dq, 0.0f) / determinant) * std::exp(power);
+  return std::sqrt(std::max(dp * dq, 0.0f) / determinant) * std::exp(power);
 }
+
+float product(const Flat& p, const Flat& q) { return (p.r * q.r + p.g * q.g + p.b * q.b + p.a * q.a) * overlap(p, q); }
+
+/// Returns the integral of a Gaussian with a peak of 1, divided by 2 pi.
+float area_of(const Flat& p) { return std::sqrt(std::max(p.xx * p.yy - p.xy * p.xy, 0.0f)); }
 
 /// Returns the part of both that is seen once although both cover it.
 Flat common(const Flat& p, const Flat& q, float opacity_p, float opacity_q) {
@@ -103,7 +111,7 @@ Flat common(const Flat& p, const Flat& q, float opacity_p, float opacity_q) {
 std::array<Flat, 3> flattened(const Blob& blob, const BlobLook& look, float detail) {
   const float d = detail * detail;
   const Covariance& c = look.covariance;
-  const float o = look.opacity;
+  const float o = look.opacity * blob.visibility;
   const glm::vec3 tint = (blob.color - 0.5f) * o;
   const float a = o * std::sqrt(kContrast);
   const glm::vec3& m = blob.mean;
@@ -127,9 +135,22 @@ Candidate candidate_of(const Blob& blob, float detail, bool leaf) {
   return c;
 }
 
-/// Returns the squared error of pictures with one Gaussian for both, summed over three directions.
+/// Two candidates as one blob. It covers only once what both cover.
+Blob joined(const Candidate& a, const Candidate& b) {
+  Blob all = merged(a.blob, b.blob);
+  float twice = 0, sum = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    twice += a.look.opacity * b.look.opacity * overlap(a.flat[i], b.flat[i]);
+    sum += a.look.opacity * area_of(a.flat[i]) + b.look.opacity * area_of(b.flat[i]);
+  }
+  if (sum > 0) all.cover *= 1 - std::min(twice / sum, 0.5f);
+  return all;
+}
+
+/// Returns the squared error of pictures with one Gaussian for both, summed over three directions. What is hidden
+/// counts less.
 float cost_of(const Candidate& a, const Candidate& b, float detail) {
-  const Candidate all = candidate_of(merged(a.blob, b.blob), detail, false);
+  const Candidate all = candidate_of(joined(a, b), detail, false);
   float cost = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     const Flat &p = a.flat[i], &q = b.flat[i], &m = all.flat[i];
@@ -199,7 +220,7 @@ class TreeBuilder {
       const std::uint32_t j = best_[i].with;
       gone[i] = gone[j] = true;
       next.push_back(static_cast<std::uint32_t>(nodes_.size()));
-      nodes_.push_back(parent_of(active_[i], active_[j], cost));
+      nodes_.push_back(parent_of(i, j, cost));
     }
     for (std::size_t i = 0; i < count; ++i)
       if (!gone[i]) next.push_back(active_[i]);
@@ -222,10 +243,12 @@ class TreeBuilder {
                  threads_);
   }
 
-  [[nodiscard]] MergedNode parent_of(std::uint32_t left, std::uint32_t right, float cost) const {
+  /// Returns the parent of two active nodes.
+  [[nodiscard]] MergedNode parent_of(std::uint32_t i, std::uint32_t j, float cost) const {
+    const std::uint32_t left = active_[i], right = active_[j];
     const MergedNode &a = nodes_[left], &b = nodes_[right];
     MergedNode node;
-    node.blob = merged(a.blob, b.blob);
+    node.blob = joined(all_[i], all_[j]);
     node.error = a.error + b.error + cost;
     node.leaves = a.leaves + b.leaves;
     node.left = left;
@@ -335,7 +358,7 @@ float detail_of(const Gaussians& source, const Box& box) {
   return std::max({*middle * kDetail, 1e-6f * std::max({size.x, size.y, size.z}), 1e-9f});
 }
 
-Forest leaves_of(const Gaussians& source, const Box& box, float detail) {
+Forest leaves_of(const Gaussians& source, const Box& box, float detail, std::span<const float> visibility) {
   Forest forest;
   forest.box = box;
   forest.nodes.reserve(2 * source.size());
@@ -348,7 +371,9 @@ Forest leaves_of(const Gaussians& source, const Box& box, float detail) {
     node.blob.mean = source.positions[i];
     node.blob.covariance = covariance_of(source.scales[i], source.rotations[i]);
     node.blob.color = source.bases[i];
-    node.blob.weight = source.opacities[i] * area_of(node.blob.covariance, detail);
+    node.blob.visibility = visibility[i];
+    node.blob.cover = source.opacities[i] * area_of(node.blob.covariance, detail);
+    node.blob.weight = node.blob.cover * visibility[i];
   }
   return forest;
 }
@@ -360,7 +385,8 @@ double MergeTree::energy(std::uint32_t i) const {
   const Covariance& c = shape.covariance;
   const double d = detail_ * detail_, xx = c[0] + d, yy = c[3] + d, zz = c[5] + d;
   const auto flat = [](double a, double b, double ab) { return std::sqrt(std::max(a * b - ab * ab, 0.0)) / 2; };
-  return double{shape.opacity} * shape.opacity * (flat(xx, yy, c[1]) + flat(yy, zz, c[4]) + flat(xx, zz, c[2]));
+  const double opacity = double{shape.opacity} * nodes_[i].blob.visibility;
+  return opacity * opacity * (flat(xx, yy, c[1]) + flat(yy, zz, c[4]) + flat(xx, zz, c[2]));
 }
 
 std::optional<MergeTree> MergeTree::join(Forest forest, float detail, std::size_t most, unsigned threads,
@@ -377,7 +403,9 @@ std::optional<MergeTree> MergeTree::join(Forest forest, float detail, std::size_
 std::optional<MergeTree> MergeTree::build(const Gaussians& source, unsigned threads, Progress* progress) {
   const Box& box = source.description.box;
   const float detail = detail_of(source, box);
-  return join(leaves_of(source, box, detail), detail, 1, threads, progress);
+  const std::vector<float> visibility = visibility_of(source, threads, progress);
+  if (visibility.size() != source.size()) return std::nullopt;
+  return join(leaves_of(source, box, detail, visibility), detail, 1, threads, progress);
 }
 
 float area_of(const std::array<float, 6>& c, float detail) {

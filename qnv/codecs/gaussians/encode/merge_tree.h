@@ -16,12 +16,14 @@
 
 namespace gs::qnv::gaussians {
 
-/// Moments of one or more Gaussians: those of a mixture with the weights opacity x area.
+/// Moments of one or more Gaussians: those of a mixture with the weights opacity x area x visibility.
 struct Blob {
   glm::vec3 mean{0};
   std::array<float, 6> covariance{};  // xx, xy, xz, yy, yz, zz
   glm::vec3 color{0};                 // mean of Gaussians::bases
-  float weight = 0;                   // sum of opacity x area
+  float weight = 0;                   // sum of opacity x area x visibility
+  float visibility = 1;               // mean of visibility_of(), weighted by opacity x area x visibility
+  float cover = 0;                    // opacity x area of the union as it is seen, without what others cover twice
 };
 
 /// Shape of a blob as it is drawn.
@@ -53,8 +55,9 @@ struct Forest {
 };
 
 /// Binary tree of merged Gaussians. Each merge replaces two close Gaussians by one with little difference in pictures.
-/// Pairs with similar colours, and with shapes that continue each other, merge first. So thin lines stay lines. Merges
-/// conserve sums of opacity x area, and the means of positions and colours with this weight.
+/// Pairs with similar colours, and with shapes that continue each other, merge first. So thin lines stay lines. Hidden
+/// Gaussians merge with each other. Merges conserve sums of opacity x area x visibility, and the means of positions and
+/// colours with this weight.
 class MergeTree {
  public:
   /// Builds the tree of at least one Gaussian with finite numbers. Returns nullopt if it is cancelled. Gives equal
@@ -76,7 +79,7 @@ class MergeTree {
   [[nodiscard]] std::size_t given() const { return given_; }
   /// Returns the shape and the opacity of a node. Opacities above 1 become larger shapes.
   [[nodiscard]] BlobLook look(std::uint32_t i) const;
-  /// Returns the squared error of pictures without a node, for a squared contrast of 1.
+  /// Returns the squared error of pictures without a node, as far as it is visible, for a squared contrast of 1.
   [[nodiscard]] double energy(std::uint32_t i) const;
   /// Returns the standard deviation below which details count as points.
   [[nodiscard]] float detail() const { return detail_; }
@@ -91,8 +94,10 @@ class MergeTree {
 /// Returns the standard deviation below which the details of a scene count as points. It depends on the median distance
 /// from the mean, because few splats may lie far away. `box` has all positions.
 [[nodiscard]] float detail_of(const Gaussians& source, const Box& box);
-/// Returns a forest of leaves, one per Gaussian.
-[[nodiscard]] Forest leaves_of(const Gaussians& source, const Box& box, float detail);
+/// Returns a forest of leaves, one per Gaussian. `visibility` has a number per Gaussian, as visibility_of() returns
+/// them.
+[[nodiscard]] Forest leaves_of(const Gaussians& source, const Box& box, float detail,
+                               std::span<const float> visibility);
 /// Returns the area of a Gaussian with this covariance, averaged over directions, if its details below `detail` are
 /// blurred.
 [[nodiscard]] float area_of(const std::array<float, 6>& covariance, float detail);

@@ -55,15 +55,49 @@ bool each_list(Top& top, const Each& each) {
 
 }  // namespace
 
-std::optional<StoredTree> store_tree(const MergeTree& tree, SharedStore& store) {
+std::optional<StoredTree> store_tree(const MergeTree& tree, const PartTop& top, std::string_view work,
+                                     std::size_t splats, SharedStore& store) {
   const auto merged = tree.nodes().subspan(tree.given());
-  const auto offset = store.add(std::as_bytes(merged));
+  const auto nodes = std::as_bytes(merged);
+  std::vector<std::byte> bytes(nodes.begin(), nodes.end());
+  for (const MergedNode& leaf : tree.nodes().first(tree.given())) {
+    const auto number = std::as_bytes(std::span(&leaf.blob.visibility, 1));
+    bytes.insert(bytes.end(), number.begin(), number.end());
+  }
+  std::vector<std::byte> result;
+  append_list(result, std::vector<std::uint64_t>{splats, merged.size()});
+  append_list(result, tree.roots());
+  append_top(result, top);
+  const auto offset = store.finish(work, bytes, result);
   return offset ? std::optional(StoredTree{*offset, merged.size(), tree.roots()}) : std::nullopt;
+}
+
+bool restore_tree(std::string_view work, std::size_t splats, const SharedStore& store, StoredTree& tree, PartTop& top) {
+  const auto found = store.finished(work);
+  if (!found) return false;
+  std::span<const std::byte> rest(found->result);
+  std::vector<std::uint64_t> sizes;
+  StoredTree kept;
+  kept.offset = found->offset;
+  if (!next_list(rest, sizes) || sizes.size() != 2 || sizes[0] != splats ||
+      sizes[1] >= std::max<std::size_t>(splats, 1))
+    return false;
+  kept.merged = static_cast<std::size_t>(sizes[1]);
+  auto kept_top = next_list(rest, kept.roots) ? next_top(rest) : std::nullopt;
+  const auto exists = [&](std::uint32_t node) { return node < splats + kept.merged; };
+  if (!kept_top || !std::ranges::all_of(kept.roots, exists) || !std::ranges::all_of(kept_top->places, exists))
+    return false;
+  tree = std::move(kept);
+  top = std::move(*kept_top);
+  return true;
 }
 
 std::optional<MergeTree> read_tree(const StoredTree& stored, const Gaussians& source, float detail,
                                    const SharedStore& store) {
-  std::vector<MergedNode> nodes = leaves_of(source, source.description.box, detail).nodes;
+  std::vector<float> visibility(source.size());
+  const std::uint64_t after = stored.offset + stored.merged * sizeof(MergedNode);
+  if (!store.read(after, std::as_writable_bytes(std::span(visibility)))) return std::nullopt;
+  std::vector<MergedNode> nodes = leaves_of(source, source.description.box, detail, visibility).nodes;
   const std::size_t leaves = nodes.size();
   nodes.resize(leaves + stored.merged);
   if (!store.read(stored.offset, std::as_writable_bytes(std::span(nodes).subspan(leaves)))) return std::nullopt;

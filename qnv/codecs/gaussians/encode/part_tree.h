@@ -10,17 +10,17 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 namespace gs::qnv::gaussians {
 
-/// Trees of one part of a scene in a store, which omits their leaves.
+/// Trees of one part of a scene in a store. Of leaves, the store has the visibility only.
 struct StoredTree {
-  std::uint64_t offset = 0;
-  std::size_t merged = 0;  // number of stored nodes
+  std::uint64_t offset = 0;  // of the merged nodes; the visibility of the leaves follows them
+  std::size_t merged = 0;    // number of merged nodes
   std::vector<std::uint32_t> roots;
 };
-[[nodiscard]] std::optional<StoredTree> store_tree(const MergeTree& tree, SharedStore& store);
 /// Reads trees. `source` must have the splats of the part. Returns nullopt if the store cannot be read.
 [[nodiscard]] std::optional<MergeTree> read_tree(const StoredTree& stored, const Gaussians& source, float detail,
                                                  const SharedStore& store);
@@ -35,6 +35,13 @@ struct PartTop {
 /// Returns at most `most` nodes that cover the whole part, and all nodes above them. Starts from the roots; replaces
 /// the node with the largest error by its children until there are `most` nodes.
 [[nodiscard]] PartTop top_of(const MergeTree& tree, const Gaussians& source, std::size_t most);
+/// Stores trees, and records them with their top as finished work. `splats` is the number of splats of the part.
+/// Returns nullopt if the store is full.
+[[nodiscard]] std::optional<StoredTree> store_tree(const MergeTree& tree, const PartTop& top, std::string_view work,
+                                                   std::size_t splats, SharedStore& store);
+/// Reads trees and a top that an earlier run finished. Returns false if there are none for as many splats.
+[[nodiscard]] bool restore_tree(std::string_view work, std::size_t splats, const SharedStore& store, StoredTree& tree,
+                                PartTop& top);
 /// Appends the top of a part to bytes for another process of this program.
 void append_top(std::vector<std::byte>& to, const PartTop& top);
 /// Reads the next top of append_top() from bytes, and removes it. Returns nullopt if the bytes are too short.

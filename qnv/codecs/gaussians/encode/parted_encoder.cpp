@@ -3,11 +3,14 @@
 #include "qnv/codecs/gaussians/encode/part_tree.h"
 #include "qnv/codecs/gaussians/encode/splat_parts.h"
 #include "qnv/codecs/gaussians/encode/stream_plan.h"
+#include "qnv/codecs/gaussians/encode/tree_cuts.h"
+#include "qnv/codecs/gaussians/encode/visibility.h"
 #include "qnv/codecs/shared/shared_records.h"
 
 #include <algorithm>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <utility>
 
@@ -24,7 +27,7 @@ constexpr std::size_t kRoots = 256, kTop = 1024;
 // Memory for parts that are encoded at the same time, unless the options set it.
 constexpr std::size_t kUsualMemory = std::size_t{400} << 20;
 // Peak bytes of memory per splat of a part without harmonics, and per coefficient of harmonics.
-constexpr std::size_t kSplatBytes = 600, kHarmonicBytes = 16;
+constexpr std::size_t kSplatBytes = 620, kHarmonicBytes = 16;
 
 /// Part of the scene with the results of each stage.
 struct Part {
@@ -232,17 +235,30 @@ class PartedEncoder {
     return done && good;
   }
 
+  /// Returns the name of work on a part, which identifies its result for later runs. Parts do not depend on ranks.
+  [[nodiscard]] std::string name_of(const char* work, std::size_t i) const {
+    return std::string(work) + " " + std::to_string(most_) + " " + std::to_string(parts_.size()) + " " +
+           std::to_string(i);
+  }
+
   bool build_tree(std::size_t i) {
     Part& part = parts_[i];
+    if (restore_tree(name_of("tree", i), part.splats.splats, store_, part.tree, part.top)) {
+      advance(part.splats.splats);
+      return true;
+    }
     const auto splats = read_part(part.splats, source_.degree, store_);
     if (!splats) return fail_to_store();
-    Forest leaves = leaves_of(*splats, splats->description.box, plan_.detail);
+    // Other parts may hide splats, but not most of those that their own part shows.
+    const std::vector<float> visibility = visibility_of(*splats, 1, progress_);
+    if (visibility.empty()) return false;
+    Forest leaves = leaves_of(*splats, splats->description.box, plan_.detail, visibility);
     const auto tree = MergeTree::join(std::move(leaves), plan_.detail, kRoots, 1, progress_);
     if (!tree) return false;
-    auto stored = store_tree(*tree, store_);
+    part.top = top_of(*tree, *splats, kTop);
+    auto stored = store_tree(*tree, part.top, name_of("tree", i), part.splats.splats, store_);
     if (!stored) return fail_to_store();
     part.tree = std::move(*stored);
-    part.top = top_of(*tree, *splats, kTop);
     advance(part.splats.splats);
     return true;
   }
@@ -251,7 +267,10 @@ class PartedEncoder {
   bool encode_top() {
     const auto tree = MergeTree::join(std::move(top_.forest), plan_.detail, 1, options_.threads, progress_);
     if (!tree) return false;
+    const auto fitted = fit_nodes(*tree, fit_start(), options_.threads, progress_);
+    if (!fitted) return false;
     ClusterWork work{top_.leaves, *tree, plan_.precision};
+    work.fitted = &*fitted;
     const MeanHarmonics harmonics(*tree, top_.leaves, std::move(top_.harmonics));
     std::vector<OpenCluster> given;
     if (!encode_chunks(work, {}, harmonics, options_, top_records_, &given, progress_)) return fail_to_store();
@@ -279,18 +298,37 @@ class PartedEncoder {
 
   bool encode_part(std::size_t i) {
     Part& part = parts_[i];
-    part.records = std::make_unique<ChunkRecords>(store_, first_id_);
-    if (!part.ranges.empty()) {
-      const auto splats = read_part(part.splats, source_.degree, store_);
-      const auto tree = splats ? read_tree(part.tree, *splats, plan_.detail, store_) : std::nullopt;
-      if (!tree) return fail_to_store();
-      const MeanHarmonics harmonics(*tree, *splats);
-      ClusterWork work{*splats, *tree, plan_.precision, first_id_, first_error_};
-      if (!encode_chunks(work, std::exchange(part.ranges, {}), harmonics, options_, *part.records, nullptr, progress_))
-        return fail_to_store();
+    part.records = ChunkRecords::finished(name_of("chunks", i), first_id_, store_);
+    if (!part.records) {
+      // Collects the chunks, so that they are consecutive in the store.
+      MemoryStore memory;
+      SharedStore collected(memory);
+      ChunkRecords records(collected, first_id_);
+      if (!part.ranges.empty() && !encode_ranges(part, records)) return false;
+      part.records = records.finish(name_of("chunks", i), memory, store_);
+      if (!part.records) return fail_to_store();
     }
     advance(part.splats.splats);
     return true;
+  }
+
+  [[nodiscard]] FitStart fit_start() const { return {{}, source_.antialiased, options_.vectors}; }
+
+  bool encode_ranges(Part& part, ChunkRecords& records) {
+    const auto splats = read_part(part.splats, source_.degree, store_);
+    const auto tree = splats ? read_tree(part.tree, *splats, plan_.detail, store_) : std::nullopt;
+    if (!tree) return fail_to_store();
+    const MeanHarmonics harmonics(*tree, *splats);
+    FitStart start = fit_start();
+    for (const OpenRange& range : part.ranges)
+      for (std::size_t i = range.from; i < range.to; ++i)
+        if (!range.cluster.nodes[i].leaf)
+          start.nodes.emplace_back(range.cluster.places[i], error_below(first_error_, range.cluster.head.level));
+    const auto fitted = fit_nodes(*tree, start, 1, progress_);
+    if (!fitted) return false;
+    ClusterWork work{*splats, *tree, plan_.precision, first_id_, first_error_, &*fitted};
+    return encode_chunks(work, std::exchange(part.ranges, {}), harmonics, options_, records, nullptr, progress_) ||
+           fail_to_store();
   }
 
   const GaussianSource& source_;

@@ -1,7 +1,8 @@
 #include "qnv/codecs/gaussians/encode/splat_clusters.h"
 
 #include "qnv/codecs/gaussians/cluster_code.h"
-#include "qnv/codecs/gaussians/encode/ellipsoid.h"
+#include "qnv/codecs/gaussians/ellipsoid.h"
+#include "qnv/codecs/gaussians/encode/tree_cuts.h"
 
 #include <glm/gtc/quaternion.hpp>
 #include <glm/mat3x3.hpp>
@@ -17,12 +18,8 @@ namespace {
 
 // Room for the bytes of a cluster without its head.
 constexpr std::size_t kMostBytes = kMostClusterBytes - 20, kSpareBytes = 20;
-// Errors of a level, relative to those of the next one.
-constexpr float kErrorRatio = 6;
-// A Gaussian for so few leaves is replaced by all of them, and so are all Gaussians of a cluster.
-constexpr std::uint32_t kFewLeaves = 6, kFewLeavesOfCluster = 250;
-// Number of Gaussians of the first cluster, and usual limit of the children of one Gaussian.
-constexpr std::size_t kFirstNodes = 60, kUsualChildren = 16;
+// All Gaussians of a cluster with so few leaves are replaced by all of them.
+constexpr std::uint32_t kFewLeavesOfCluster = 250;
 
 /// Children of the Gaussians of a cluster, as places in the tree.
 using Children = std::vector<std::vector<std::uint32_t>>;
@@ -68,7 +65,7 @@ class ClusterEncoder {
       while (ready->cluster.bytes.size() > kMostBytes && to > from + 1)
         ready = encode(open, first, children, from, --to, nullptr);
       if (ready->cluster.bytes.size() > kMostBytes) {
-        children[from] = parts_of(open.places[from], -1, kUsualChildren);
+        children[from] = parts_of(tree_, open.places[from], -1, kUsualChildren);
         ready = encode(open, first, children, from, to, nullptr);
       }
       from = to;
@@ -87,6 +84,8 @@ class ClusterEncoder {
     const MergedNode& node = tree_[place];
     SplatCode code;
     code.leaf = node.leaf();
+    const FitGaussian* fitted = work_.fitted ? work_.fitted->of(place) : nullptr;
+    const glm::vec3 &mean = fitted ? fitted->mean : node.blob.mean, &color = fitted ? fitted->color : node.blob.color;
     Ellipsoid shape;
     if (code.leaf) {
       const glm::vec4& q = source_.rotations[node.right];
@@ -98,7 +97,7 @@ class ClusterEncoder {
       code.fine[3] = fine_opacity(source_.opacities[node.right], code.opacity, precision_.fine);
     } else {
       // Half the precision.
-      const BlobLook look = tree_.look(place);
+      const BlobLook look = fitted ? BlobLook{fitted->covariance, fitted->opacity} : tree_.look(place);
       shape = ellipsoid_of(look.covariance);
       code.opacity = opacity_code(look.opacity) | 1;
       for (std::size_t k = 0; k < 3; ++k)
@@ -115,33 +114,14 @@ class ClusterEncoder {
     const std::array<float, 3> parts{best.x, best.y, best.z};
     for (std::size_t k = 0; k < 3; ++k) code.turn[k] = static_cast<int>(std::lround(parts[k] / steps.turn[k]));
     const auto axes = axes_of(turned(parent.rotation, code.turn, steps.turn));
-    const glm::dvec3 apart = glm::dvec3(node.blob.mean) - glm::dvec3(parent.position);
+    const glm::dvec3 apart = glm::dvec3(mean) - glm::dvec3(parent.position);
     for (std::size_t k = 0; k < 3; ++k) {
       const double along = axes[k][0] * apart.x + axes[k][1] * apart.y + axes[k][2] * apart.z;
       code.place[k] =
           static_cast<int>(std::clamp(std::nearbyint(along / steps.place[k]), -double{kMostPlace}, double{kMostPlace}));
     }
-    code.color = color_code(glm::dvec3(node.blob.color) - glm::dvec3(parent.color), steps.color);
+    code.color = color_code(glm::dvec3(color) - glm::dvec3(parent.color), steps.color);
     return code;
-  }
-
-  /// Returns the nodes that replace a node: those with errors of at most `least`, or all leaves if they are few. The
-  /// order is that of the tree, so that neighbours stay together.
-  [[nodiscard]] std::vector<std::uint32_t> parts_of(std::uint32_t place, float least, std::size_t most) const {
-    if (tree_[place].leaves <= kFewLeaves) {
-      least = -1;
-      most = kMostChildren;
-    }
-    std::vector<std::uint32_t> parts{place};
-    const auto error = [&](std::uint32_t i) { return tree_[i].leaf() || tree_[i].outside() ? -2.0f : tree_[i].error; };
-    while (parts.size() < most) {
-      const auto worst = std::ranges::max_element(parts, {}, error);
-      if (!(error(*worst) > least)) break;
-      const MergedNode& node = tree_[*worst];
-      *worst = node.left;
-      parts.insert(worst + 1, node.right);
-    }
-    return parts;
   }
 
   /// Returns the children of Gaussians `begin` to `end` of a cluster; leaves and other Gaussians have none. Returns an
@@ -153,18 +133,18 @@ class ClusterEncoder {
     if (leaves == 0) return {};
     Children children(open.nodes.size());
     if (first) {
-      children[0] = parts_of(open.places[0], 0, kFirstNodes);
+      children[0] = parts_of(tree_, open.places[0], 0, kFirstNodes);
       for (const std::uint32_t place : children[0]) work_.first_error = std::max(work_.first_error, tree_[place].error);
       return children;
     }
     // A range of a larger cluster does not jump to its leaves, even if they are few.
     const bool last = leaves <= kFewLeavesOfCluster && end - begin == open.nodes.size();
-    float least = last ? -1 : work_.first_error * std::pow(kErrorRatio, -static_cast<float>(open.head.level + 1));
+    float least = last ? -1 : error_below(work_.first_error, open.head.level);
     // If no error is so large, this level takes smaller ones.
     for (bool any = false; !any; least = least > work_.first_error * 1e-12f ? least / kErrorRatio : -1)
       for (std::size_t i = begin; i < end; ++i)
         if (!open.nodes[i].leaf) {
-          children[i] = parts_of(open.places[i], least, last ? kMostChildren : kUsualChildren);
+          children[i] = parts_of(tree_, open.places[i], least, last ? kMostChildren : kUsualChildren);
           any = any || children[i].size() > 1;
         }
     return children;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "qnv/codecs/gaussians/encode/fitted_nodes.h"
 #include "qnv/codecs/gaussians/encode/merge_tree.h"
 #include "qnv/codecs/gaussians/splat_cluster.h"
 
@@ -46,6 +47,7 @@ struct ClusterWork {
   const Precision& precision;
   std::uint32_t first_id = 0;  // identifier of the first cluster
   float first_error = 0;       // largest error of a Gaussian of the first cluster
+  const FittedNodes* fitted = nullptr;  // null means that all nodes keep their moments
 };
 
 /// Encodes the parts of a tree below ranges of Gaussians as clusters of at most kMostClusterBytes with their heads, in

@@ -178,6 +178,8 @@ void SplatCache::decode(std::vector<std::uint32_t> clusters, std::uint64_t now) 
       const bool orphan = tree_[clusters[i]].parent != kNoCluster && tree_[tree_[clusters[i]].parent].broken;
       if (results[i])
         keep(clusters[i], std::move(results[i]), now);
+      else if (chunks_.repairing())
+        chunks_.postpone(clusters[i]);
       else if (!tree_[clusters[i]].broken && !orphan)
         chunks_.reject(clusters[i], "a cluster of Gaussians is damaged and left out");
     }

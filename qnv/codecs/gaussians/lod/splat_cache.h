@@ -34,7 +34,8 @@ class SplatCache : NonCopyable {
   [[nodiscard]] bool has_state(std::uint32_t cluster) const { return entry(cluster) && entry(cluster)->state; }
   [[nodiscard]] const Block& block(std::uint32_t cluster) const { return entries_[cluster]->block; }
 
-  /// Decodes clusters. The parent of each must have its state or be in `clusters`. Rejects invalid clusters.
+  /// Decodes clusters. The parent of each must have its state or be in `clusters`. Rejects invalid
+  /// clusters, or postpones them while a repair is running.
   void decode(std::vector<std::uint32_t> clusters, std::uint64_t now);
   /// Finds the Gaussians of the parent that a cluster replaces, and their size, if the parent is decoded.
   void size_up(std::uint32_t cluster);

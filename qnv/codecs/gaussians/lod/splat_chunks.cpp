@@ -5,14 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <utility>
 
 namespace gs::qnv::gaussians {
 namespace {
 
 constexpr std::size_t kSampledHeads = 8;  // number of chunks to compare with the directory
-constexpr std::size_t kBytesPerScan = std::size_t{1} << 18;
-// First offset of restored chunks: beyond the end of any stream, and beyond offsets of StreamFeed::add_loose().
-constexpr std::uint64_t kNowhere = std::uint64_t{1} << 63;
 // Maximum bytes of restored chunks of a file.
 constexpr std::size_t kPatchBytes = std::size_t{64} << 20;
 
@@ -109,59 +107,57 @@ bool SplatChunks::directory_fits() const {
   return decode(tree_.root(), nullptr, *std::make_unique<DecodedCluster>());
 }
 
-// Reads the whole stream and checks all checksums. Passes on all sound chunks, and those that parity restores.
-void SplatChunks::read_all(const StreamReader::OnChunk& on_chunk) {
-  whole_ = true;
-  LostChunks lost;
-  const LostChunks::Take restored = [&](ChunkType type, std::span<const std::byte> payload) {
-    if (patches_->add(kNowhere + restored_, encode_chunk(type, payload)))
-      on_chunk(type, payload, kNowhere + restored_++);
-  };
-  const StreamReader::OnChunk take = [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
-    on_chunk(type, payload, offset);
-    if (!patches_) return;
-    if (type == ChunkType::parity)
-      (void)lost.add(payload, restored);
-    else if (type == ChunkType::gaussians || is_harmonics(type))
-      lost.keep(type, payload, restored);
-  };
-  StreamReader reader;
-  std::vector<std::byte> piece(static_cast<std::size_t>(std::min<std::uint64_t>(kBytesPerScan, source_->size())));
-  for (std::uint64_t at = 0;;) {
-    const std::size_t count = source_->read(at, piece);
-    if (count == 0 || !reader.push(std::span(piece).first(count), take)) break;
-    at += count;
-  }
-  reader.finish(take);
-  for (const StreamProblem& one : reader.problems()) problem(one.offset, one.message);
-}
-
 // Collects all chunks of the stream.
 void SplatChunks::scan() {
-  read_all([this](ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
+  whole_ = true;
+  const StreamReader::OnChunk take = [this](ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
+    if (offset == kNowhere) {
+      offset += restored_;
+      if (!patches_->add(offset, encode_chunk(type, payload))) return;
+      ++restored_;
+    }
     std::string why;
     (void)note(type, payload, offset, why);
     if (!why.empty()) problem(offset, std::move(why));
-  });
+  };
+  for (const StreamProblem& one : read_whole(*source_, patches_ != nullptr, take)) problem(one.offset, one.message);
 }
 
 bool SplatChunks::restore() {
-  if (!patches_ || whole_) return false;
-  const std::uint64_t before = restored_;
-  read_all([this](ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
+  if (!patches_) return false;
+  if (!std::exchange(whole_, true)) repair_ = std::make_unique<ChunkRepair>(source_, patches_);
+  if (!repair_ || (!waiting_ && !repair_->ended())) return false;
+  const ChunkRepair::Result result = repair_->finish();
+  repair_ = nullptr;
+  bool any = false;
+  for (const ChunkRepair::Restored& chunk : result.chunks) any = take_restored(chunk) || any;
+  for (const StreamProblem& one : result.problems) problem(one.offset, one.message);
+  for (const std::uint32_t cluster : std::exchange(postponed_, {})) tree_.at(cluster).waits = false;
+  ++revision_;
+  return any;
+}
+
+// Replaces a damaged cluster by its restored chunk, or adds harmonics.
+bool SplatChunks::take_restored(const ChunkRepair::Restored& chunk) {
+  std::vector<std::byte> buffer;
+  const auto read = read_chunk(*source_, chunk.offset, chunk.bytes, buffer);
+  const auto* sound = std::get_if<SoundChunk>(&read);
+  if (!sound) return false;
+  if (is_harmonics(chunk.type)) {
     std::string why;
-    if (offset < kNowhere) return;
-    if (is_harmonics(type)) {
-      (void)note(type, payload, offset, why);
-      return;
-    }
-    const auto packed = parse_cluster(payload);
-    const std::uint32_t index = packed ? tree_.find(packed->head.id) : kNoCluster;
-    if (index == kNoCluster || !tree_.note_head(index, packed->head)) return;
-    tree_.at(index).offset = offset;
-    tree_.at(index).bytes = static_cast<std::uint32_t>(kChunkHeaderBytes + payload.size());
-  });
-  return restored_ > before;
+    return note(chunk.type, sound->payload, chunk.offset, why);
+  }
+  const auto packed = parse_cluster(sound->payload);
+  const std::uint32_t index = packed ? tree_.find(packed->head.id) : kNoCluster;
+  if (index == kNoCluster || !tree_.note_head(index, packed->head)) return false;
+  tree_.at(index).offset = chunk.offset;
+  tree_.at(index).bytes = static_cast<std::uint32_t>(chunk.bytes);
+  return true;
+}
+
+void SplatChunks::postpone(std::uint32_t cluster) {
+  if (std::exchange(tree_.at(cluster).waits, true)) return;
+  postponed_.push_back(cluster);
 }
 
 // Adds a chunk to the tree. Returns false if it is known, invalid or of another type; sets `why` if it is invalid.
@@ -263,6 +259,7 @@ bool SplatChunks::read_head(std::uint32_t index) {
     const auto packed = sound && sound->type == ChunkType::gaussians ? parse_cluster(sound->payload) : std::nullopt;
     if (packed && tree_.note_head(index, packed->head)) return true;
   } while (restore());
+  if (repairing()) return false;
   reject(index, "a cluster is damaged, or contradicts the directory");
   return false;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "qnv/codecs/gaussians/lod/chunk_repair.h"
 #include "qnv/codecs/gaussians/lod/splat_tree.h"
 #include "qnv/codecs/gaussians/lod/stored_models.h"
 #include "qnv/codecs/gaussians/splat_code.h"
@@ -78,8 +79,15 @@ class SplatChunks {
   [[nodiscard]] ClusterHarmonics decode_harmonics(std::uint32_t cluster, std::span<const SplatNode> leaves,
                                                   std::span<const SplatNode> merged) const;
 
-  /// Restores damaged chunks of a file by parity. Reads the whole file, but only once. Returns true if it restored any.
+  /// Makes restore() wait for a repair, or return while it is running. The default is to wait.
+  void set_waiting(bool waiting) { waiting_ = waiting; }
+  /// Restores damaged chunks of a file by parity. Another thread reads the whole file, but only once. Returns true if
+  /// chunks are restored now.
   bool restore();
+  /// Reports whether a repair is running. Clusters that cannot be decoded may be restored soon.
+  [[nodiscard]] bool repairing() const { return repair_ != nullptr; }
+  /// Leaves a damaged cluster to the running repair: it is not decoded until the repair ends.
+  void postpone(std::uint32_t cluster);
 
   /// Received chunk, for decoders of the whole stream.
   struct Received {
@@ -105,8 +113,8 @@ class SplatChunks {
   [[nodiscard]] static Opened make(std::variant<StreamHeader, StreamProblem> read);
   void read_directory_of_source();
   [[nodiscard]] bool directory_fits() const;
-  void read_all(const StreamReader::OnChunk& on_chunk);
   void scan();
+  bool take_restored(const ChunkRepair::Restored& chunk);
   bool take(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset);
   bool store(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset);
   bool note(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset, std::string& why);
@@ -119,7 +127,10 @@ class SplatChunks {
   std::shared_ptr<const ChunkSource> source_;
   std::shared_ptr<ArrivedChunks> arrived_;  // source_ of a growing stream, else null
   std::shared_ptr<ArrivedChunks> patches_;  // restored chunks of a source with parity, else null
-  bool whole_ = false;                      // all chunks of the source were read once
+  bool whole_ = false;                      // all chunks of the source were read once, or a repair reads them
+  bool waiting_ = true;
+  std::unique_ptr<ChunkRepair> repair_;   // null if none is running
+  std::vector<std::uint32_t> postponed_;  // clusters that wait for the repair
   StreamReader reader_;
   LostChunks lost_;  // of a growing stream
   std::uint64_t restored_ = 0;

@@ -76,6 +76,9 @@ const std::vector<SplatRun>& SplatCutter::cut(const LodView& view, std::optional
   ++cuts_;
   decoded_ = 0;
   pending_ = fading_ = false;
+  // Pictures with a clock must not wait for the reading of a file.
+  chunks_.set_waiting(!time);
+  if (chunks_.repairing()) (void)chunks_.restore();
   const std::size_t slot = viewport_of(view.viewport);
   const auto bit = static_cast<std::uint16_t>(1u << slot);
   Viewport& viewport = viewports_[slot];
@@ -85,6 +88,7 @@ const std::vector<SplatRun>& SplatCutter::cut(const LodView& view, std::optional
     viewport.view = view;
     viewport.last_cut = cuts_;
     if (time) viewport.time = *time;
+    pending_ = chunks_.repairing();
     return viewport.runs;
   }
   const std::vector<std::uint32_t> before = viewport.chosen;
@@ -103,6 +107,7 @@ const std::vector<SplatRun>& SplatCutter::cut(const LodView& view, std::optional
     }
     if (!any) break;
   }
+  pending_ = pending_ || chunks_.repairing();
   choose(view, viewport, bit);
   fade(view, viewport, before, bit, time);
   make_runs(view, viewport);
@@ -241,7 +246,8 @@ std::vector<std::uint32_t> SplatCutter::to_decode(const LodView& view, bool& lim
     const SplatCluster& cluster = tree_[index];
     bool& ready = tree_.at(index).marks.ready;
     ready = false;  // it may be broken since the previous call, so that its children cannot be decoded
-    if (!cluster.present || cluster.broken || (cluster.parent != kNoCluster && !tree_[cluster.parent].marks.ready))
+    if (!cluster.present || cluster.broken || cluster.waits ||
+        (cluster.parent != kNoCluster && !tree_[cluster.parent].marks.ready))
       continue;
     ready = cache_.has(index);
     if (ready) {

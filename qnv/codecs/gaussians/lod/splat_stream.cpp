@@ -22,11 +22,20 @@ std::size_t bytes_of_splat(int degree) {
 Gaussians WholeSplats::decode(std::size_t most) const {
   const auto decoder = make_gaussians_decoder(header_, most);
   std::vector<std::byte> buffer;
+  bool damaged = false;
   for (const auto& place : chunks_) {
     const auto chunk = read_chunk(*source_, place.offset, place.bytes, buffer);
     const auto* sound = std::get_if<SoundChunk>(&chunk);
-    if (sound && is_harmonics(sound->type) == is_harmonics(place.type)) decoder->add(sound->type, sound->payload, {});
+    if (sound && is_harmonics(sound->type) == is_harmonics(place.type))
+      decoder->add(sound->type, sound->payload, {});
+    else
+      damaged = true;
   }
+  if (damaged && header_.parity)
+    (void)gaussians::read_whole(*source_, true,
+                                [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
+                                  if (offset >= gaussians::kNowhere) decoder->add(type, payload, {});
+                                });
   Geometry all = decoder->geometry({header_.description, header_.color});
   return std::move(*all.as<Gaussians>());
 }

@@ -43,7 +43,8 @@ class WholeSplats {
               std::shared_ptr<const ChunkSource> source)
       : header_(std::move(header)), chunks_(std::move(chunks)), source_(std::move(source)) {}
 
-  /// Returns all Gaussians at full detail, or coarser ones if there would be more than `most`. Blocks. Any thread.
+  /// Returns all Gaussians at full detail, or coarser ones if there would be more than `most`. Restores damaged chunks
+  /// by parity. Blocks. Any thread.
   [[nodiscard]] Gaussians decode(std::size_t most) const;
 
  private:
@@ -80,7 +81,7 @@ class SplatStream final : public ViewedStream {
   ///
   /// With a `time` (viewport's clock, in seconds), changes since the last cut of the viewport take a quarter of a
   /// second: the opacity of new Gaussians rises while that of the replaced ones falls. Without a time, changes
-  /// are immediate.
+  /// are immediate. Damaged chunks of a file are then restored now; with a time, another thread restores them.
   [[nodiscard]] const std::vector<SplatRun>& cut(const LodView& view, std::optional<double> time = {}) {
     return cutter_.cut(view, time);
   }

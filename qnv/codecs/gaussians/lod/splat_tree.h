@@ -48,6 +48,7 @@ struct SplatCluster {
   bool present = false;                   // its chunk is received
   bool known = false;                     // it was decoded and is valid
   bool broken = false;                    // neither it nor its descendants can be drawn
+  bool waits = false;                     // it is damaged, and a running repair may restore it
   bool boxed = false;                     // `box` is known
   bool sized = false;                     // `size` and `reach` are known
   float size = 0;                         // largest deviation of the replaced Gaussians, times the root of the opacity

@@ -57,7 +57,7 @@ VolumeEncoder::VolumeEncoder(Extent extent, const ValuesLimit& limit, SpillStore
 
 std::optional<EncodeError> VolumeEncoder::encode(const ReadSamples& read, int last_plane) {
   clusters_.clear();
-  rows_.clear();
+  pieces_.clear();
   lows_.clear();
   problem_.reset();
   if (progress_) {
@@ -82,7 +82,6 @@ std::optional<EncodeError> VolumeEncoder::encode(const ReadSamples& read, int la
 
 std::optional<EncodeError> VolumeEncoder::encode_alone(const ReadSamples& read, int last_plane) {
   SliceTransform transform(extent_, threads_, [&](std::uint64_t first, std::uint32_t count, LevelSlices& slices) {
-    rows_.push_back({first, 0, 0});
     return take(first, count, slices, last_plane);
   });
   SampleBatch batch;
@@ -97,35 +96,66 @@ std::optional<EncodeError> VolumeEncoder::encode_alone(const ReadSamples& read, 
   return std::nullopt;
 }
 
+std::uint64_t VolumeEncoder::LevelPieces::per_row() const { return (in_row + kBlocksAtOnce - 1) / kBlocksAtOnce; }
+
+std::uint64_t VolumeEncoder::LevelPieces::first_of(std::uint64_t piece) const {
+  return first_block + piece / per_row() * in_row + piece % per_row() * kBlocksAtOnce;
+}
+
+std::uint32_t VolumeEncoder::LevelPieces::count_of(std::uint64_t piece) const {
+  const auto before = static_cast<std::uint32_t>(piece % per_row()) * kBlocksAtOnce;
+  return std::min(kBlocksAtOnce, in_row - before);
+}
+
+VolumeEncoder::LevelPieces VolumeEncoder::pieces_of(int level) const {
+  const Extent blocks = layout_.blocks_of(level);
+  return {layout_.first_of(level), blocks[2], blocks[0] * blocks[1]};
+}
+
+// Returns the pieces of this rank. If there are enough rows, ranks share rows, so that no row is transformed twice.
+RankShare VolumeEncoder::share_of_level(const LevelPieces& pieces) const {
+  constexpr std::uint64_t kEnough = 4;  // rows per rank
+  if (pieces.rows < kEnough * ranks_.count()) return share_of(ranks_, pieces.size());
+  const RankShare rows = share_of(ranks_, pieces.rows);
+  return {rows.first * pieces.per_row(), rows.end * pieces.per_row()};
+}
+
 std::optional<EncodeError> VolumeEncoder::encode_level(int level, const ReadSamples& read, int last_plane) {
-  const RankShare share = share_of(ranks_, layout_.blocks_of(level)[2]);
-  const std::size_t begin = rows_.size();
+  const LevelPieces pieces = pieces_of(level);
+  const RankShare share = share_of_level(pieces);
+  const std::size_t begin = pieces_.size();
   std::optional<EncodeError> problem;
-  for (std::uint64_t row = share.first; row < share.end && !problem;) {
-    std::uint64_t end = row;
-    while (end < share.end && !restore_row(name_of(last_plane, level, end), level, end)) ++end;
-    if (end > row) problem = encode_rows(level, {row, end}, read, last_plane);
-    row = end + 1;
+  for (std::uint64_t piece = share.first; piece < share.end && !problem;) {
+    std::uint64_t end = piece;
+    while (end < share.end && !restore_piece(name_of(last_plane, level, end), pieces, end)) ++end;
+    if (end > piece) problem = encode_pieces(level, {piece, end}, read, last_plane);
+    piece = end + 1;
   }
   if (!problem && !store_.publish()) cannot_store();
   if (auto failed = agree(ranks_, problem ? problem : problem_)) return failed;
-  lows_ = gather_records(ranks_, std::span<const RowResult>(rows_).subspan(begin));
-  std::ranges::sort(lows_, {}, &RowResult::first_block);
+  lows_ = gather_records(ranks_, std::span<const PieceResult>(pieces_).subspan(begin));
+  std::erase_if(lows_,
+                [&](const PieceResult& one) { return (one.first_block - pieces.first_block) % pieces.in_row != 0; });
+  std::ranges::sort(lows_, {}, &PieceResult::first_block);
   return std::nullopt;
 }
 
-std::optional<EncodeError> VolumeEncoder::encode_rows(int level, RankShare rows, const ReadSamples& read,
-                                                      int last_plane) {
-  const Extent blocks = layout_.blocks_of(level), samples = low_extent(extent_, level - 1);
-  const std::uint32_t in_row = blocks[0] * blocks[1];
-  RowBegin begin{store_.size(), clusters_.size()};
+std::optional<EncodeError> VolumeEncoder::encode_pieces(int level, RankShare share, const ReadSamples& read,
+                                                        int last_plane) {
+  const LevelPieces pieces = pieces_of(level);
+  const Extent samples = low_extent(extent_, level - 1);
+  const RankShare rows{share.first / pieces.per_row(), (share.end + pieces.per_row() - 1) / pieces.per_row()};
+  PieceBegin begin{store_.size(), pieces_.size(), clusters_.size()};
   RowTransform transform(extent_, level, rows, threads_, [&](std::uint32_t row, LevelSlices& slices) {
-    const std::uint64_t first = layout_.first_of(level) + std::uint64_t{row} * in_row;
-    rows_.push_back({first, 0, 0});
-    if (!take(first, in_row, slices, last_plane) ||
-        !finish_row(name_of(last_plane, level, row), level, row, begin, slices))
-      return false;
-    begin = {store_.size(), clusters_.size()};
+    const std::uint64_t first = row * pieces.per_row();
+    for (std::uint64_t piece = std::max(first, share.first); piece < std::min(first + pieces.per_row(), share.end);
+         ++piece) {
+      const std::optional<std::uint32_t> low_row = piece == first ? std::optional(row) : std::nullopt;
+      if (!take(pieces.first_of(piece), pieces.count_of(piece), slices, last_plane) ||
+          !finish_piece(name_of(last_plane, level, piece), level, low_row, begin, slices))
+        return false;
+      begin = {store_.size(), pieces_.size(), clusters_.size()};
+    }
     return true;
   });
   const SliceWindow window = RowTransform::window_of(extent_, level, rows);
@@ -150,8 +180,8 @@ std::optional<EncodeError> VolumeEncoder::encode_rows(int level, RankShare rows,
   return std::nullopt;
 }
 
-std::string VolumeEncoder::name_of(int last_plane, int level, std::uint64_t row) const {
-  return work_.name + "p" + std::to_string(last_plane) + "l" + std::to_string(level) + "r" + std::to_string(row);
+std::string VolumeEncoder::name_of(int last_plane, int level, std::uint64_t piece) const {
+  return work_.name + "p" + std::to_string(last_plane) + "l" + std::to_string(level) + "r" + std::to_string(piece);
 }
 
 // Reads a slice of the samples that a level transforms. They are the low samples of the previous level.
@@ -163,38 +193,37 @@ std::optional<EncodeError> VolumeEncoder::read_low(int level, std::uint32_t slic
   return EncodeError{"cannot read the samples of level " + std::to_string(level - 1) + " again: " + store_.problem()};
 }
 
-// Restores a row that an earlier run finished. Returns false if there is none, or if it has blocks of other rows.
-bool VolumeEncoder::restore_row(const std::string& work, int level, std::uint64_t row) {
+// Restores a piece that an earlier run finished. Returns false if there is none, or if it has blocks of other pieces.
+bool VolumeEncoder::restore_piece(const std::string& work, const LevelPieces& pieces, std::uint64_t piece) {
   const auto result = store_.finished(work);
-  if (!result || result->size() < sizeof(RowResult) ||
-      (result->size() - sizeof(RowResult)) % sizeof(StoredCluster) != 0)
+  if (!result || result->size() < sizeof(PieceResult) ||
+      (result->size() - sizeof(PieceResult)) % sizeof(StoredCluster) != 0)
     return false;
   const std::span<const std::byte> bytes(*result);
-  const auto kept = record_at<RowResult>(bytes);
-  const Extent blocks = layout_.blocks_of(level);
-  const std::uint64_t in_row = std::uint64_t{blocks[0]} * blocks[1], first = layout_.first_of(level) + row * in_row;
-  const std::size_t count = (bytes.size() - sizeof(RowResult)) / sizeof(StoredCluster);
+  const auto kept = record_at<PieceResult>(bytes);
+  const std::uint64_t first = pieces.first_of(piece), blocks = pieces.count_of(piece);
+  const std::size_t count = (bytes.size() - sizeof(PieceResult)) / sizeof(StoredCluster);
   std::vector<StoredCluster> clusters;
   for (std::size_t i = 0; i < count; ++i) {
-    clusters.push_back(record_at<StoredCluster>(bytes.subspan(sizeof(RowResult) + i * sizeof(StoredCluster))));
+    clusters.push_back(record_at<StoredCluster>(bytes.subspan(sizeof(PieceResult) + i * sizeof(StoredCluster))));
     const StoredCluster& one = clusters.back();
-    if (one.block < first || one.block - first >= in_row || !std::isfinite(one.rank)) return false;
+    if (one.block < first || one.block - first >= blocks || !std::isfinite(one.rank)) return false;
   }
   if (kept.first_block != first) return false;
-  rows_.push_back(kept);
+  pieces_.push_back(kept);
   clusters_.insert(clusters_.end(), clusters.begin(), clusters.end());
   return true;
 }
 
-// Stores the low samples of a row of blocks, and records the row as finished.
-bool VolumeEncoder::finish_row(const std::string& work, int level, std::uint32_t row, const RowBegin& begin,
-                               LevelSlices& slices) {
-  RowResult& result = rows_.back();
+// Records a piece as finished. If it is the first one of `row`, stores the low samples of the row before.
+bool VolumeEncoder::finish_piece(const std::string& work, int level, std::optional<std::uint32_t> row,
+                                 const PieceBegin& begin, LevelSlices& slices) {
+  PieceResult& result = pieces_[begin.pieces];
   const Extent low = slices.low();
   result.low = store_.size();
-  if (level < level_count(extent_)) {
+  if (row && level < level_count(extent_)) {
     std::vector<std::int32_t> samples(std::size_t{low[0]} * low[1]);
-    for (std::uint32_t z = row * kBlockEdge; z < std::min(low[2], (row + 1) * kBlockEdge); ++z) {
+    for (std::uint32_t z = *row * kBlockEdge; z < std::min(low[2], (*row + 1) * kBlockEdge); ++z) {
       copy_slice(slices.slice(2 * z), {samples.data(), low[0]}, low);
       if (!store_.append(std::as_bytes(std::span(samples)))) return cannot_store();
     }
@@ -215,8 +244,11 @@ bool VolumeEncoder::take(std::uint64_t first, std::uint32_t count, LevelSlices& 
   // With a limited size, earlier blocks determine the clusters that later blocks need. So the size of a part must not
   // depend on the number of threads.
   const std::uint32_t part = least_ ? kBlocksBetween : kBlocksAtOnce;
-  for (std::uint32_t i = 0; i < count; i += part)
+  for (std::uint32_t i = 0; i < count; i += part) {
+    // Sums of errors do not depend on the ranks, because each piece has an own sum.
+    if (i % kBlocksAtOnce == 0) pieces_.push_back({first + i, 0, 0});
     if (!take_part(first + i, std::min(part, count - i), slices, last_plane)) return false;
+  }
   return true;
 }
 
@@ -238,7 +270,7 @@ bool VolumeEncoder::take_part(std::uint64_t first, std::uint32_t count, LevelSli
       threads_, progress_);
   if (!whole) return false;
   for (BlockEncoder::Result& result : results) {
-    rows_.back().rest += result.rest;
+    pieces_.back().rest += result.rest;
     if (least_) least_->add(result.clusters);
     for (StoredCluster& cluster : result.clusters) {
       cluster.offset += store_.size();
@@ -254,10 +286,10 @@ bool VolumeEncoder::take_part(std::uint64_t first, std::uint32_t count, LevelSli
 // ranks nor on the order of the work.
 void VolumeEncoder::collect() {
   clusters_ = gather_records(ranks_, std::span<const StoredCluster>(clusters_));
-  rows_ = gather_records(ranks_, std::span<const RowResult>(rows_));
-  std::ranges::sort(rows_, {}, &RowResult::first_block);
+  pieces_ = gather_records(ranks_, std::span<const PieceResult>(pieces_));
+  std::ranges::sort(pieces_, {}, &PieceResult::first_block);
   rest_ = 0;
-  for (const RowResult& row : rows_) rest_ += row.rest;
+  for (const PieceResult& piece : pieces_) rest_ += piece.rest;
 }
 
 }  // namespace gs::qnv::values

@@ -11,8 +11,10 @@
 #include <glm/geometric.hpp>
 
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <string>
 #include <thread>
 #include <vector>
@@ -223,6 +225,38 @@ bool equal(std::span<const qnv::Triangle> a, std::span<const qnv::Triangle> b) {
   });
 }
 
+/// Checks the triangles that ranks return. They keep their stores and finished work.
+void check_ranks(const LargeGrid& grid, qnv::SharedMemory& state, std::span<const qnv::Triangle> triangles) {
+  const auto count = static_cast<std::uint32_t>(state.stores.size());
+  std::vector<std::vector<qnv::Triangle>> results(count);
+  std::vector<std::string> problems(count);
+  std::vector<std::jthread> threads;
+  for (std::uint32_t rank = 0; rank < count; ++rank)
+    threads.emplace_back([&, rank] {
+      qnv::ThreadRanks ranks(state, rank);
+      qnv::RankStore store(state, rank);
+      qnv::EncodeOptions options;
+      options.ranks = &ranks;
+      options.spill = &store;
+      qnv::EncodeRanks shared(options);
+      const GridResult result = grid_surface(grid, shared, 8 << 20, nullptr);
+      state.barrier.arrive_and_wait();
+      if (const auto* const problem = std::get_if<qnv::EncodeError>(&result)) {
+        problems[rank] = problem->message;
+        return;
+      }
+      (void)std::get<MeshStream>(result).source([&](std::span<const qnv::Triangle> some) {
+        results[rank].insert(results[rank].end(), some.begin(), some.end());
+        return true;
+      });
+    });
+  threads.clear();
+  for (std::uint32_t rank = 0; rank < count; ++rank) {
+    CHECK(problems[rank].empty());
+    CHECK(equal(results[rank], triangles));
+  }
+}
+
 }  // namespace
 
 TEST_CASE("a grid that is read in parts has the same surface as its import") {
@@ -324,34 +358,24 @@ TEST_CASE("ranks that share a grid return the triangles of one process, with any
   CHECK(equal(triangles_of(AloneSurface(*grid, 8 << 20).stream()), triangles));
   for (const std::uint32_t count : {2u, 3u}) {
     qnv::SharedMemory state(count);
-    std::vector<std::vector<qnv::Triangle>> results(count);
-    std::vector<std::string> problems(count);
-    {
-      std::vector<std::jthread> threads;
-      for (std::uint32_t rank = 0; rank < count; ++rank)
-        threads.emplace_back([&, rank] {
-          qnv::ThreadRanks ranks(state, rank);
-          qnv::RankStore store(state, rank);
-          qnv::EncodeOptions options;
-          options.ranks = &ranks;
-          options.spill = &store;
-          qnv::EncodeRanks shared(options);
-          const GridResult result = grid_surface(*grid, shared, 8 << 20, nullptr);
-          state.barrier.arrive_and_wait();
-          if (const auto* const problem = std::get_if<qnv::EncodeError>(&result)) {
-            problems[rank] = problem->message;
-            return;
-          }
-          (void)std::get<MeshStream>(result).source([&](std::span<const qnv::Triangle> some) {
-            results[rank].insert(results[rank].end(), some.begin(), some.end());
-            return true;
-          });
-        });
-    }
-    for (std::uint32_t rank = 0; rank < count; ++rank) {
-      CHECK(problems[rank].empty());
-      CHECK(equal(results[rank], triangles));
-    }
+    check_ranks(*grid, state, triangles);
+    CHECK(state.restored == 0);
+    // A later run uses what an earlier run has finished. Results are missing, as after an end at any moment.
+    const auto finished = state.finished;
+    const auto repeat_without = [&](const std::vector<std::string>& works) {
+      state.finished = finished;
+      std::erase_if(state.finished, [&](const auto& one) {
+        return std::ranges::any_of(works, [&](const std::string& work) { return one.first.starts_with(work); });
+      });
+      state.restored = 0;
+      check_ranks(*grid, state, triangles);
+      return state.restored;
+    };
+    CHECK(repeat_without({}) == count + 2);  // the ranges on all ranks, and the triangles of two runs
+    CHECK(repeat_without({"triangles 1"}) >= count + 1 + 64);
+    CHECK(repeat_without({"triangles", "bucket"}) == count + 2);
+    CHECK(repeat_without({"triangles", "bucket 64 1", "faces 64 0"}) > 50);
+    CHECK(repeat_without({"ranges"}) == 2);
   }
 }
 
@@ -406,6 +430,69 @@ TEST_CASE("a damaged grid that is read in parts gives an error") {
     wrong[at] = '\x7f';
     CHECK_FALSE(problem_of(wrong).empty());
   }
+}
+
+TEST_CASE("counts the cells of a grid that its surface cannot show") {
+  // A tetrahedron, a line, a vertex, two cells of unknown types, a triangle with two corners, and a hidden cell.
+  const ScratchFolder folder;
+  VtuText vtu({});
+  vtu.section("Piece NumberOfPoints=\"4\" NumberOfCells=\"7\"");
+  vtu.section("Points");
+  vtu.add("Float32", "Points", std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, 3);
+  vtu.section("/Points");
+  vtu.section("Cells");
+  vtu.add("Int64", "connectivity", std::vector<std::int64_t>{0, 1, 2, 3, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1});
+  vtu.add("Int64", "offsets", std::vector<std::int64_t>{4, 6, 7, 9, 10, 12, 14});
+  vtu.add("UInt8", "types", std::vector<std::uint8_t>{10, 3, 1, 200, 250, 5, 0});
+  vtu.section("/Cells");
+  vtu.section("/Piece");
+  const auto grid = opened(folder.write("mixed.vtu", vtu.whole()));
+  REQUIRE(grid);
+  const AloneSurface made(*grid);
+  CHECK(made.stream().faces == 4);
+  CHECK(made.stream().omitted ==
+        "2 lines and vertices, 2 cells of unsupported types, 1 cells without all of their corners are left out; the "
+        "surface has the faces of the other cells");
+  CHECK(AloneSurface(*opened(folder.write("whole.vtu", hexahedra(3, 3, {}).text))).stream().omitted.empty());
+}
+
+TEST_CASE("finds the pieces of a grid without regard to upper and lower case") {
+  const ScratchFolder folder;
+  folder.write("Piece_0.VTU", hexahedra(5, 5, {}).text);
+  const auto grid = opened(folder.write(
+      "grid.pvtu",
+      "<VTKFile type=\"PUnstructuredGrid\" version=\"0.1\"><PUnstructuredGrid GhostLevel=\"0\"><PPoints><PDataArray "
+      "type=\"Float32\" NumberOfComponents=\"3\"/></PPoints><Piece Source=\"piece_0.vtu\"/></PUnstructuredGrid>"
+      "</VTKFile>"));
+  REQUIRE(grid);
+  CHECK(AloneSurface(*grid).stream().faces == hexahedra(5, 5, {}).outer);
+}
+
+TEST_CASE("notices that a file of a grid changed although its size did not, and names the file once") {
+  namespace fs = std::filesystem;
+  const ScratchFolder folder;
+  const std::string text = hexahedra(5, 5, {}).text;
+  const auto problem_of = [](const LargeGrid& grid) -> std::string {
+    const AloneSurface made(grid);
+    const auto* const problem = std::get_if<qnv::EncodeError>(&made.result);
+    return problem ? problem->message : std::string();
+  };
+  const std::string path = folder.write("grid.vtu", text);
+  const auto grid = opened(path);
+  REQUIRE(grid);
+  CHECK(problem_of(*grid).empty());
+  fs::last_write_time(path, fs::last_write_time(path) + std::chrono::seconds(2));
+  // The command adds the name of the first file.
+  CHECK(problem_of(*grid) == "another program changed the file; encode it again");
+  const std::string piece = folder.write("piece.vtu", text);
+  const auto pieces = opened(folder.write(
+      "grid.pvtu",
+      "<VTKFile type=\"PUnstructuredGrid\" version=\"0.1\"><PUnstructuredGrid GhostLevel=\"0\"><PPoints><PDataArray "
+      "type=\"Float32\" NumberOfComponents=\"3\"/></PPoints><Piece Source=\"piece.vtu\"/></PUnstructuredGrid>"
+      "</VTKFile>"));
+  REQUIRE(pieces);
+  fs::last_write_time(piece, fs::last_write_time(piece) + std::chrono::seconds(2));
+  CHECK(problem_of(*pieces) == piece + ": another program changed the file; encode it again");
 }
 
 }  // namespace gs::app::grid_surface_test

@@ -2,6 +2,7 @@
 #include "app/base/world_work.h"
 #include "app/script/process/program_process.h"
 #include "app/session/running/world_runtime.h"
+#include "base/thread_time.h"
 #include "tests/app/program.h"
 #include "vrml/syntax/parser.h"
 
@@ -11,7 +12,6 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <string>
 #include <thread>
 #include <utility>
@@ -19,13 +19,6 @@
 
 namespace gs::app::stopped_work_test {
 namespace {
-
-// Processor time of this thread in seconds. Unlike elapsed time, it does not grow while other processes run.
-double thread_seconds() {
-  timespec used{};
-  (void)clock_gettime(CLOCK_THREAD_CPUTIME_ID, &used);
-  return static_cast<double>(used.tv_sec) + static_cast<double>(used.tv_nsec) * 1e-9;
-}
 
 /// Guard: the user asks to stop all work of this thread that takes long. Scripts run in children.
 struct ImpatientUser {

@@ -1,12 +1,13 @@
 #include "qnv/codecs/gaussians/encode/merge_tree.h"
 
-#include "qnv/codecs/gaussians/encode/ellipsoid.h"
+#include "qnv/codecs/gaussians/ellipsoid.h"
 #include "tests/qnv/splat_clouds.h"
 
 #include <catch2/catch.hpp>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
+#include <cmath>
 #include <cstdint>
 #include <numeric>
 #include <vector>
@@ -14,7 +15,7 @@
 namespace gs::qnv::gaussians::merge_tree_test {
 namespace {
 
-/// Sums of opacity x area, and of positions and colours with this weight.
+/// Sums of opacity x area x visibility, and of positions and colours with this weight.
 struct Moments {
   double weight = 0;
   glm::dvec3 position{0}, color{0};
@@ -45,7 +46,7 @@ std::vector<std::uint32_t> cut(const MergeTree& tree, std::uint32_t leaves) {
 
 }  // namespace
 
-TEST_CASE("merged Gaussians conserve opacity x area, positions and colours on every level") {
+TEST_CASE("merged Gaussians conserve visible opacity x area, positions and colours on every level") {
   const Gaussians cloud = test::splat_cloud(3000);
   const auto tree = MergeTree::build(cloud, 2, nullptr);
   REQUIRE(tree);
@@ -61,16 +62,55 @@ TEST_CASE("merged Gaussians conserve opacity x area, positions and colours on ev
     CHECK(glm::length(part.position - whole.position) < 1e-4 * whole.weight);
     CHECK(glm::length(part.color - whole.color) < 1e-4 * whole.weight);
   }
-  // A look keeps opacity x area, unless the opacity would exceed the largest growth.
+  // A look covers as much as the blob, unless the opacity would exceed the largest growth.
   std::size_t kept = 0, all = 0;
   for (const std::uint32_t i : cut(*tree, 20)) {
     if ((*tree)[i].leaf()) continue;
     const BlobLook look = tree->look(i);
     const float area = area_of(look.covariance, tree->detail());
     ++all;
-    kept += std::abs(look.opacity * area / (*tree)[i].blob.weight - 1) < 0.02f ? 1 : 0;
+    kept += std::abs(look.opacity * area / (*tree)[i].blob.cover - 1) < 0.02f ? 1 : 0;
   }
   CHECK(kept > all * 3 / 4);
+}
+
+TEST_CASE("merged Gaussians cover once what their leaves cover twice") {
+  Gaussians stack;
+  for (int i = 0; i < 16; ++i) {
+    stack.positions.emplace_back(0.001f * static_cast<float>(i), 0, 0);
+    stack.scales.emplace_back(0.1f);
+    stack.rotations.emplace_back(0, 0, 0, 1);
+    stack.opacities.push_back(0.2f);
+    stack.bases.emplace_back(1);
+    stack.description.box.add(stack.positions.back());
+  }
+  const auto tree = MergeTree::build(stack, 1, nullptr);
+  REQUIRE(tree);
+  // The middle of the stack has an opacity of 1 - 0.8^16 = 0.97, its rim less than that.
+  const BlobLook look = tree->look(tree->root());
+  CHECK(look.opacity > 0.8f);
+  CHECK(look.opacity <= 1);
+  CHECK(std::sqrt(look.covariance[3]) == Approx(0.1).epsilon(0.25));
+}
+
+TEST_CASE("colours of hidden Gaussians do not change merged ones") {
+  // A white ball around a black one.
+  Gaussians ball;
+  for (const float radius : {1.0f, 0.8f}) {
+    for (int i = 0; i < 2000; ++i) {
+      const float y = 1 - (2 * static_cast<float>(i) + 1) / 2000, turn = 2.399963f * static_cast<float>(i);
+      const float r = std::sqrt(1 - y * y);
+      ball.positions.push_back(radius * glm::vec3(r * std::cos(turn), y, r * std::sin(turn)));
+      ball.scales.emplace_back(0.05f);
+      ball.rotations.emplace_back(0, 0, 0, 1);
+      ball.opacities.push_back(0.95f);
+      ball.bases.emplace_back(radius > 0.9f ? 1.0f : 0.0f);
+      ball.description.box.add(ball.positions.back());
+    }
+  }
+  const auto tree = MergeTree::build(ball, 2, nullptr);
+  REQUIRE(tree);
+  CHECK((*tree)[tree->root()].blob.color.x > 0.85f);
 }
 
 TEST_CASE("trees of Gaussians do not depend on the number of threads") {

@@ -224,6 +224,33 @@ TEST_CASE("ranks that share Gaussians write the bytes of one process") {
   }
 }
 
+TEST_CASE("a later run uses the parts of Gaussians that an earlier run has finished") {
+  const Gaussians source = test::splat_cloud(6000, 1);
+  EncodeOptions options;
+  options.part_splats = 700;
+  const std::vector<std::byte> alone = parted(source, 700, options).bytes;
+  SharedMemory state(3);
+  std::vector<std::size_t> runs;
+  (void)encode_ranks(state, source, options, runs);
+  REQUIRE(state.stream == alone);
+  CHECK(state.restored == 0);
+  const std::size_t parts = state.finished.size() / 2;  // each part has a tree and chunks
+  REQUIRE(parts > 8);
+  // Every third result is missing, and two results are those of other parts.
+  std::size_t i = 0;
+  std::erase_if(state.finished, [&](const auto&) { return i++ % 3 == 0; });
+  const std::size_t kept = state.finished.size();
+  const auto first_tree = state.finished.lower_bound("tree"), last_chunks = std::prev(first_tree);
+  std::swap(first_tree->second, last_chunks->second);
+  state.stream.clear();
+  const std::uint64_t before = state.stores[0].size();
+  for (const PartedResult& result : encode_ranks(state, source, options, runs))
+    CHECK(std::holds_alternative<EncodedStream>(result));
+  CHECK(state.restored == kept);
+  CHECK(state.stream == alone);
+  CHECK(state.stores[0].size() - before < before);
+}
+
 TEST_CASE("all ranks that share Gaussians report the error of one rank") {
   const Gaussians source = test::splat_cloud(4000, 1);
   EncodeOptions options;

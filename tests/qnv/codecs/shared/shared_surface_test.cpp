@@ -6,6 +6,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <atomic>
 #include <functional>
 #include <string>
 #include <thread>
@@ -26,9 +27,9 @@ TriangleSource in_runs(const Triangles& triangles, std::size_t size, std::uint64
 
 using Result = std::variant<Encoding, EncodeError>;
 
-std::vector<Result> encode_together(const TriangleSource& source, const EncodeRequest& request, std::uint32_t count,
-                                    std::uint64_t last_fails_at = 0) {
-  SharedMemory state(count);
+std::vector<Result> encode_in(SharedMemory& state, const TriangleSource& source, const EncodeRequest& request,
+                              std::uint64_t last_fails_at = 0) {
+  const auto count = static_cast<std::uint32_t>(state.stores.size());
   std::vector<Result> results(count, EncodeError{"not run"});
   std::vector<std::jthread> threads;
   for (std::uint32_t rank = 0; rank < count; ++rank)
@@ -44,6 +45,12 @@ std::vector<Result> encode_together(const TriangleSource& source, const EncodeRe
     });
   threads.clear();
   return results;
+}
+
+std::vector<Result> encode_together(const TriangleSource& source, const EncodeRequest& request, std::uint32_t count,
+                                    std::uint64_t last_fails_at = 0) {
+  SharedMemory state(count);
+  return encode_in(state, source, request, last_fails_at);
 }
 
 std::vector<std::byte> encode_alone(const TriangleSource& source, const EncodeRequest& request,
@@ -86,6 +93,34 @@ TEST_CASE("ranks: encode a surface that exceeds memory with the bytes of one pro
       }
     }
   }
+}
+
+TEST_CASE("ranks: take a thinned surface of an earlier run") {
+  const Triangles ball = sphere(90, 2, {10, 0, 0}, true);
+  EncodeRequest request;
+  request.options.most_triangles = 4'000;
+  std::atomic<std::size_t> reads{0};
+  const TriangleSource whole = in_runs(ball, 1'000);
+  const TriangleSource source{whole.runs(), [&](std::uint64_t run, const TriangleSink& sink) {
+                                ++reads;
+                                return whole.read(run, sink);
+                              }};
+  const std::vector<std::byte> alone = encode_alone(source, request, "displaced");
+  SharedMemory state(3);
+  (void)encode_in(state, source, request);
+  CHECK(state.restored == 0);
+  const auto bytes_of_first = [](const std::vector<Result>& results) {
+    REQUIRE(std::holds_alternative<Encoding>(results.front()));
+    return std::get<Encoding>(results.front()).stream.bytes;
+  };
+  reads = 0;
+  CHECK(bytes_of_first(encode_in(state, source, request)) == alone);
+  CHECK(reads == 0);
+  // A damaged result is not used.
+  for (auto& [work, result] : state.finished)
+    if (work.starts_with("thinned")) result.resize(result.size() / 2);
+  CHECK(bytes_of_first(encode_in(state, source, request)) == alone);
+  CHECK(reads > 0);
 }
 
 TEST_CASE("ranks: report the error of one rank on all ranks") {

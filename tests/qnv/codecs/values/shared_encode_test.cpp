@@ -146,6 +146,7 @@ TEST_CASE("shared encoding: Any number of ranks gives the bytes of one process")
     check_equal(integers(9, 7, 5), options, {3});
     check_equal(integers(1, 1, 200), options, {3});
   }
+  SECTION("few slices with more blocks than a piece has") { check_equal(integers(2112, 520, 2), options, {2, 3}); }
 }
 
 TEST_CASE("shared encoding: Components and time series have the same bytes, too") {
@@ -161,7 +162,8 @@ TEST_CASE("shared encoding: Components and time series have the same bytes, too"
 }
 
 TEST_CASE("shared encoding: A later run uses the rows that an earlier run has finished") {
-  const VolumeSource volume = integers(40, 33, 150);
+  const bool flat = GENERATE(false, true);  // ranks share rows of flat volumes
+  const VolumeSource volume = flat ? integers(2112, 520, 2) : integers(40, 33, 150);
   const std::vector<std::byte> alone = encode_alone(volume, {});
   SharedMemory first(3);
   (void)encode_with(first, volume, {});
@@ -171,7 +173,7 @@ TEST_CASE("shared encoding: A later run uses the rows that an earlier run has fi
   std::size_t i = 0;
   std::erase_if(first.finished, [&](const auto&) { return i++ % 3 == 0; });
   const std::size_t kept = first.finished.size();
-  // The encoder must reject a result of another row.
+  // The encoder must reject a result of another row or piece.
   std::swap(first.finished.begin()->second, std::next(first.finished.begin())->second);
   first.stream.clear();
   for (const Result& result : encode_with(first, volume, {})) CHECK(std::holds_alternative<EncodedStream>(result));

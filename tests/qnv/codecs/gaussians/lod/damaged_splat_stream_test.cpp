@@ -1,6 +1,40 @@
 #include "tests/qnv/codecs/gaussians/lod/splat_stream_helpers.h"
 
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
 namespace gs::qnv::splat_stream_test {
+namespace {
+
+/// Source in a file that other threads can read from the beginning only after open().
+class GatedSource final : public ChunkSource {
+ public:
+  explicit GatedSource(Bytes bytes) : bytes_(memory_source(std::move(bytes))) {}
+  [[nodiscard]] std::uint64_t size() const override { return bytes_->size(); }
+  [[nodiscard]] std::size_t read(std::uint64_t offset, std::span<std::byte> to) const override {
+    if (offset == begin_) {
+      std::unique_lock lock(mutex_);
+      opened_.wait(lock, [&] { return open_; });
+    }
+    return bytes_->read(offset, to);
+  }
+  void open() {
+    const std::lock_guard lock(mutex_);
+    open_ = true;
+    opened_.notify_all();
+  }
+  std::atomic<std::uint64_t> begin_ = ~std::uint64_t{0};  // readers of this offset wait
+
+ private:
+  std::shared_ptr<const ChunkSource> bytes_;
+  mutable std::mutex mutex_;
+  mutable std::condition_variable opened_;
+  bool open_ = false;
+};
+
+}  // namespace
 
 TEST_CASE("parity restores lost chunks of Gaussians in a cut") {
   EncodeOptions options;
@@ -39,6 +73,69 @@ TEST_CASE("parity restores damaged chunks of Gaussians in a file with a director
     // Reads the whole file once, and each chunk at most twice.
     CHECK(source->read_ < 4 * damaged.size());
   }
+}
+
+TEST_CASE("draws cuts with a clock while damaged chunks of Gaussians are restored") {
+  EncodeOptions options;
+  options.parity = 0.3;
+  auto made = encode_gaussians(test::splat_cloud(6000, 1), options);
+  const auto& encoded = std::get<EncodedStream>(made);
+  const auto chunks = chunks_of(encoded);
+  Bytes damaged = encoded.bytes;
+  for (std::size_t i = 3; i < chunks.size(); i += 10)
+    damaged[static_cast<std::size_t>(chunks[i].first) + kChunkHeaderBytes + 5] ^= std::byte{255};
+  const auto source = std::make_shared<GatedSource>(damaged);
+  const Stream stream = opened(SplatStream::open(source));
+  source->begin_ = 0;
+  // The source blocks the reading of the whole file until the cut is there.
+  const std::size_t first = count_of(stream->cut(closest_view(), 1.0));
+  CHECK(first > 0);
+  CHECK(first < 6000);
+  CHECK(stream->pending());
+  CHECK(stream->problems().empty());
+  CHECK(count_of(stream->cut(closest_view(), 2.0)) == first);
+  source->open();
+  for (int i = 0; stream->pending() && i < 10'000; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    (void)stream->cut(closest_view(), 3.0 + i);
+  }
+  CHECK_FALSE(stream->pending());
+  CHECK(sorted_numbers(gathered(stream->cut(closest_view()))) == sorted_numbers(decoded(encoded.bytes)));
+}
+
+TEST_CASE("closes a stream of Gaussians while its damaged chunks are restored") {
+  EncodeOptions options;
+  options.parity = 0.3;
+  auto made = encode_gaussians(test::splat_cloud(3000), options);
+  const auto& encoded = std::get<EncodedStream>(made);
+  const auto chunks = chunks_of(encoded);
+  Bytes damaged = encoded.bytes;
+  damaged[static_cast<std::size_t>(chunks.back().first) + kChunkHeaderBytes + 5] ^= std::byte{255};
+  auto stream = opened(SplatStream::open(memory_source(damaged)));
+  CHECK(count_of(stream->cut(closest_view(), 1.0)) > 0);
+  stream = nullptr;
+  // A decoder of the whole stream may outlive the stream.
+  stream = opened(SplatStream::open(memory_source(damaged)));
+  (void)stream->cut(closest_view(), 1.0);
+  const WholeSplats whole = stream->whole();
+  stream = nullptr;
+  CHECK(whole.decode(10'000).size() == 3000);
+}
+
+TEST_CASE("restores damaged chunks of Gaussians for the whole stream") {
+  EncodeOptions options;
+  options.parity = 0.3;
+  auto made = encode_gaussians(test::splat_cloud(6000, 1), options);
+  const auto& encoded = std::get<EncodedStream>(made);
+  const auto chunks = chunks_of(encoded);
+  Bytes damaged = encoded.bytes;
+  for (std::size_t i = 3; i < chunks.size(); i += 10)
+    damaged[static_cast<std::size_t>(chunks[i].first) + kChunkHeaderBytes + 5] ^= std::byte{255};
+  const Stream stream = opened(SplatStream::open(memory_source(damaged)));
+  const std::vector<Numbers> expected = sorted_numbers(decoded(encoded.bytes));
+  CHECK(sorted_numbers(stream->whole().decode(100'000)) == expected);
+  (void)stream->cut(closest_view());
+  CHECK(sorted_numbers(stream->whole().decode(100'000)) == expected);
 }
 
 TEST_CASE("a cluster that changes its number of Gaussians in the file is left out") {

@@ -1,4 +1,4 @@
-#include "qnv/codecs/gaussians/encode/ellipsoid.h"
+#include "qnv/codecs/gaussians/ellipsoid.h"
 
 #include <glm/geometric.hpp>
 

@@ -2,7 +2,7 @@
 
 #include <time.h>
 
-namespace gs::app::insitu {
+namespace gs {
 
 /// Returns the processor time of this thread in seconds.
 [[nodiscard]] inline double thread_seconds() {
@@ -11,4 +11,4 @@ namespace gs::app::insitu {
   return static_cast<double>(used.tv_sec) + static_cast<double>(used.tv_nsec) * 1e-9;
 }
 
-}  // namespace gs::app::insitu
+}  // namespace gs

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <variant>
+
+namespace gs::app {
+
+/// Numbers of a grid that is read in parts, such as the coordinates of a part. One thread.
+class GridNumbers {
+ public:
+  virtual ~GridNumbers() = default;
+  /// Reads consecutive numbers. Returns false if the file is damaged.
+  [[nodiscard]] virtual bool read(std::uint64_t first, std::span<double> to) = 0;
+  /// Returns the count of numbers that may be read.
+  [[nodiscard]] virtual std::uint64_t size() const = 0;
+};
+
+/// Arrays of a part of a grid. Null pointers stand for arrays that the file lacks.
+struct GridPartArrays {
+  std::unique_ptr<GridNumbers> points, corners;
+  std::unique_ptr<GridNumbers> types, ends;  // null if all cells have the type `element` and `element_corners` corners
+  std::unique_ptr<GridNumbers> values;
+  std::unique_ptr<GridNumbers> cell_flags, point_flags;
+  std::uint8_t element = 0;
+  std::size_t element_corners = 0;
+  std::size_t components = 1;    // of a value
+  bool of_points = false;        // the values belong to points
+  bool colors = false;           // the values are colours
+  bool wide = false;             // the coordinates have double precision
+  bool old_flags = false;        // cell_flags has the ghost levels of older files (vtkGhostLevels)
+  bool omits_polyhedra = false;  // the importer of the format omits them, too
+};
+
+/// Error text for a file that another program changed.
+inline constexpr const char* kChangedGridFile = "another program changed the file; encode it again";
+
+/// File on disk. Another program may change it while parts are read.
+struct GridFile {
+  std::string path;
+  std::uint64_t size = 0;                        // of the opened file
+  std::filesystem::file_time_type changed_at{};  // time of the last change when the grid was opened
+
+  /// Finds the file of a grid. `name` is relative to the folder of the file `grid`, or empty for that file itself.
+  /// Ignores upper and lower case, as the readers of headers do.
+  [[nodiscard]] static GridFile find(const std::string& grid, const std::string& name, std::uint64_t size);
+  [[nodiscard]] bool is_changed() const;
+};
+
+/// File or files of a grid.
+class GridSource {
+ public:
+  virtual ~GridSource() = default;
+  /// Opens the arrays of a part. Returns a message without the path on failure.
+  [[nodiscard]] virtual std::variant<GridPartArrays, std::string> open(std::size_t part) const = 0;
+  /// Reports whether another program changed the file of a part since the grid was opened.
+  [[nodiscard]] virtual bool is_changed(std::size_t part) const = 0;
+  /// Returns an error text. Names the file of a part unless it is the first one, which callers name.
+  [[nodiscard]] virtual std::string message(std::size_t part, const std::string& text) const = 0;
+};
+
+}  // namespace gs::app

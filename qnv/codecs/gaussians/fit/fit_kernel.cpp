@@ -1,0 +1,46 @@
+#include "qnv/codecs/gaussians/fit/fit_kernel.h"
+
+#include "qnv/base/kernel_pragmas.inc"  // after all other includes
+
+namespace gs::qnv::gaussians {
+namespace {
+
+constexpr std::size_t kFitUntilLook = 16;     // Gaussians between two checks for opaque tiles
+constexpr float kFitDark = 1 / 512.0f;        // maximum transmittance of an opaque pixel
+constexpr float kFitLeastPower = -7.994353f;  // logarithm of 1/255, below which a Gaussian ends
+constexpr float kFitMostAlpha = 0.99f;        // maximum opacity of one Gaussian
+
+namespace fit_baseline {
+#define FIT_TARGET
+#define FIT_AVX2 0
+#include "qnv/codecs/gaussians/fit/fit_loop.inc"
+#undef FIT_TARGET
+#undef FIT_AVX2
+}  // namespace fit_baseline
+
+#if defined(__x86_64__)
+namespace fit_avx2 {
+#define FIT_TARGET __attribute__((target("avx2")))
+#define FIT_AVX2 1
+#include "qnv/codecs/gaussians/fit/fit_loop.inc"
+#undef FIT_TARGET
+#undef FIT_AVX2
+}  // namespace fit_avx2
+#endif
+
+constexpr FitKernel kFitBaseline{fit_baseline::blend, fit_baseline::differentiate};
+
+}  // namespace
+
+const FitKernel& fit_kernel_baseline() { return kFitBaseline; }
+
+const FitKernel& fit_kernel() {
+#if defined(__x86_64__)
+  static constexpr FitKernel kAvx2{fit_avx2::blend, fit_avx2::differentiate};
+  static const bool have_avx2 = __builtin_cpu_supports("avx2") != 0;
+  if (have_avx2) return kAvx2;
+#endif
+  return kFitBaseline;
+}
+
+}  // namespace gs::qnv::gaussians

@@ -1,0 +1,87 @@
+#include "qnv/codecs/gaussians/encode/visibility.h"
+
+#include "tests/qnv/splat_clouds.h"
+
+#include <catch2/catch.hpp>
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace gs::qnv::gaussians::visibility_test {
+namespace {
+
+/// Adds an opaque sphere of round splats.
+void add_sphere(Gaussians& to, float radius, int count) {
+  for (int i = 0; i < count; ++i) {
+    const float y = 1 - (2 * static_cast<float>(i) + 1) / static_cast<float>(count);
+    const float turn = 2.399963f * static_cast<float>(i), r = std::sqrt(1 - y * y);
+    to.positions.push_back(radius * glm::vec3(r * std::cos(turn), y, r * std::sin(turn)));
+    to.scales.emplace_back(radius * 2.2f / std::sqrt(static_cast<float>(count)));
+    to.rotations.emplace_back(0, 0, 0, 1);
+    to.opacities.push_back(0.95f);
+    to.bases.emplace_back(0.5f);
+  }
+}
+
+struct Range {
+  float least, most;
+};
+Range range_of(const std::vector<float>& all, std::size_t first, std::size_t count) {
+  const auto begin = all.begin() + static_cast<std::ptrdiff_t>(first);
+  const auto [least, most] = std::minmax_element(begin, begin + static_cast<std::ptrdiff_t>(count));
+  return {*least, *most};
+}
+
+}  // namespace
+
+TEST_CASE("visibility of Gaussians is high on the surface and least inside of a body") {
+  Gaussians body;
+  add_sphere(body, 1, 2000);
+  add_sphere(body, 0.9f, 1000);
+  add_sphere(body, 0.5f, 500);
+  add_sphere(body, 0.2f, 200);
+  const std::vector<float> all = visibility_of(body, 2, nullptr);
+  REQUIRE(all.size() == body.size());
+  CHECK(range_of(all, 0, 2000).least > 0.5f);
+  CHECK(range_of(all, 2000, 1700).most < 0.2f);
+  CHECK(range_of(all, 2000, 1700).least >= kLeastVisibility);
+}
+
+TEST_CASE("visibility of Gaussians counts views from inside") {
+  Gaussians room;
+  add_sphere(room, 1.2f, 3000);
+  add_sphere(room, 1.1f, 3000);
+  add_sphere(room, 1, 3000);
+  const std::vector<float> all = visibility_of(room, 2, nullptr);
+  REQUIRE(all.size() == room.size());
+  CHECK(range_of(all, 0, 3000).least > 0.5f);
+  CHECK(range_of(all, 3000, 3000).most < 0.2f);
+  CHECK(range_of(all, 6000, 3000).least > 0.5f);
+}
+
+TEST_CASE("visibility of Gaussians does not depend on the number of threads") {
+  const Gaussians cloud = test::splat_cloud(2000);
+  CHECK(visibility_of(cloud, 1, nullptr) == visibility_of(cloud, 3, nullptr));
+  Progress progress;
+  progress.cancelled = true;
+  CHECK(visibility_of(cloud, 1, &progress).empty());
+}
+
+TEST_CASE("visibility accepts degenerate Gaussians") {
+  CHECK(visibility_of(test::splat_cloud(1), 1, nullptr) == std::vector<float>{1});
+  Gaussians flat = test::splat_cloud(300);
+  for (std::size_t i = 0; i < flat.size(); ++i) {
+    flat.positions[i].y = 0;
+    flat.scales[i] = glm::vec3(0);
+  }
+  flat.positions[7] = glm::vec3(1e30f, -1e30f, 1e30f);
+  flat.scales[8] = glm::vec3(1e20f);
+  const std::vector<float> all = visibility_of(flat, 1, nullptr);
+  REQUIRE(all.size() == 300);
+  CHECK(range_of(all, 0, 300).least >= kLeastVisibility);
+  CHECK(range_of(all, 0, 300).most <= 1);
+}
+
+}  // namespace gs::qnv::gaussians::visibility_test
