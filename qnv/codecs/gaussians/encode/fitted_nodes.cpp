@@ -12,7 +12,7 @@ namespace gs::qnv::gaussians {
 namespace {
 
 // Levels with more Gaussians than this share of the leaves keep their moments.
-constexpr double kFittedShare = 0.35;
+constexpr double kFittedShare = 0.2;
 // Least standard deviation, relative to MergeTree::detail().
 constexpr float kThinnestFit = 1.0f / 32;
 
