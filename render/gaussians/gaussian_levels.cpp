@@ -39,7 +39,8 @@ std::size_t bytes_of_levels(const qnv::Gaussians& gaussians) {
 std::unique_ptr<qnv::SplatStream> encoded_levels(const qnv::Gaussians& gaussians, const qnv::LodView& view,
                                                  Progress& progress) {
   qnv::EncodeOptions options;
-  options.threads = 1;  // other threads draw
+  options.threads = 1;     // other threads draw
+  options.fitted = false;  // moving views gain little from it
   auto encoded = qnv::encode_gaussians(gaussians, options, &progress);
   const auto* stream = std::get_if<qnv::EncodedStream>(&encoded);
   if (!stream || is_cancelled(&progress)) return nullptr;

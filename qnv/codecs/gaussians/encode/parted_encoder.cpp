@@ -267,7 +267,7 @@ class PartedEncoder {
   bool encode_top() {
     const auto tree = MergeTree::join(std::move(top_.forest), plan_.detail, 1, options_.threads, progress_);
     if (!tree) return false;
-    const auto fitted = fit_nodes(*tree, fit_start(), options_.threads, progress_);
+    const auto fitted = options_.fitted ? fit_nodes(*tree, fit_start(), options_.threads, progress_) : FittedNodes();
     if (!fitted) return false;
     ClusterWork work{top_.leaves, *tree, plan_.precision};
     work.fitted = &*fitted;
@@ -324,7 +324,7 @@ class PartedEncoder {
       for (std::size_t i = range.from; i < range.to; ++i)
         if (!range.cluster.nodes[i].leaf)
           start.nodes.emplace_back(range.cluster.places[i], error_below(first_error_, range.cluster.head.level));
-    const auto fitted = fit_nodes(*tree, start, 1, progress_);
+    const auto fitted = options_.fitted ? fit_nodes(*tree, start, 1, progress_) : FittedNodes();
     if (!fitted) return false;
     ClusterWork work{*splats, *tree, plan_.precision, first_id_, first_error_, &*fitted};
     return encode_chunks(work, std::exchange(part.ranges, {}), harmonics, options_, records, nullptr, progress_) ||
