@@ -11,21 +11,21 @@
 namespace gs::app {
 namespace {
 
-// Maximum count of numbers of a row of an array, and numbers of a block that is read at once.
+// Maximum count of numbers in a row of an array, and count of numbers in a block. Each read gets one block.
 constexpr std::uint64_t kMostRowNumbers = 4096, kBlockNumbers = std::uint64_t{1} << 14;
-// Maximum number of blocks in memory of an array.
+// Maximum number of blocks of an array in memory.
 constexpr std::size_t kMostBlocksKept = 32;
 
-/// Open file of arrays. Any thread.
+/// Open file of arrays. `mutex` guards its reads. Any thread.
 struct OpenArrays {
   std::shared_ptr<ArrayFile> file;
   std::mutex mutex;
 };
 
-/// Rows of an array. Keeps the last blocks.
+/// Rows of an array. Keeps the most recently used blocks in memory.
 class RowNumbers final : public GridNumbers {
  public:
-  /// Returns a message if the array cannot have these rows.
+  /// Opens rows of an array. Returns a message if the array does not have these rows.
   static std::variant<std::unique_ptr<GridNumbers>, std::string> open(std::shared_ptr<OpenArrays> arrays,
                                                                       const ArrayRows& rows) {
     const auto& all = arrays->file->arrays();
@@ -63,7 +63,7 @@ class RowNumbers final : public GridNumbers {
 
  private:
   struct Block {
-    std::uint64_t number = 0, used = 0;  // `used` grows with each use
+    std::uint64_t number = 0, used = 0;  // `used` is the value of `uses_` at the last use
     std::vector<double> numbers;
   };
   RowNumbers(std::shared_ptr<OpenArrays> arrays, const ArrayRows& rows, const ArrayInfo& info, std::uint64_t stored)
@@ -117,14 +117,14 @@ class RowNumbers final : public GridNumbers {
 
   std::shared_ptr<OpenArrays> arrays_;
   ArrayRows rows_;
-  std::size_t index_, stored_;  // number of the array; numbers of a stored row
+  std::size_t index_, stored_;  // index of the array; count of numbers in a stored row
   std::uint64_t block_rows_, in_block_;
   std::vector<Block> kept_;
   std::size_t last_ = 0;
   std::uint64_t uses_ = 0;
 };
 
-/// Coordinates that are stored as an array of each axis, as rows of three numbers. Missing axes are 0.
+/// Coordinates from one array per axis, joined to rows of three numbers. Missing axes are 0.
 class JoinedAxes final : public GridNumbers {
  public:
   explicit JoinedAxes(std::vector<std::unique_ptr<GridNumbers>> axes) : axes_(std::move(axes)) {}
@@ -200,7 +200,7 @@ class ArrayGrid final : public GridSource {
   GridFile on_disk_;
 };
 
-// Reports whether a part can be read in parts: its arrays belong together, and its numbers are in range.
+// Reports whether the reader supports a part: it has all necessary arrays, and its counts are in range.
 bool is_sound(const GridPartRows& part) {
   const bool typed = !part.types.empty() && !part.ends.empty();
   return part.points > 0 && part.cells > 0 && part.points < kMostGridPoints && part.cells < kMostGridPoints &&
