@@ -21,7 +21,7 @@ constexpr qnv::SplatLimits kLevelLimits{std::size_t{1} << 27, std::size_t{1} << 
 constexpr std::size_t kMostMoving = 400'000;
 // Maximum seconds from the end of a motion until all Gaussians replace the cut. Longer than the fades of the cut.
 constexpr double kSettling = 0.28;
-// Step in which a thread waits until the Gaussians are steady.
+// Interval between checks while a thread waits until the Gaussians are steady.
 constexpr std::chrono::milliseconds kSteadyStep{50};
 
 /// Approximate bytes of the stream for one Gaussian, and for one coefficient of harmonics.
@@ -58,7 +58,7 @@ std::unique_ptr<qnv::SplatStream> encoded_levels(const qnv::Gaussians& gaussians
 struct GaussianLevels::Work {
   Progress progress;
   Share share;                      // of the budget of the world
-  std::atomic<bool> moves = false;  // the view moves, so that the thread need not wait until the Gaussians are steady
+  std::atomic<bool> moves = false;  // a view moves, so the thread does not wait until the Gaussians are steady
   std::atomic<bool> done = false;
   std::unique_ptr<qnv::SplatStream> stream;  // valid if `done`; null if there are no levels
 };

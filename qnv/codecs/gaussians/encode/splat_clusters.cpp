@@ -18,7 +18,7 @@ namespace {
 
 // Room for the bytes of a cluster without its head.
 constexpr std::size_t kMostBytes = kMostClusterBytes - 20, kSpareBytes = 20;
-// All Gaussians of a cluster with so few leaves are replaced by all of them.
+// If a cluster has at most this many leaves, they replace all of its Gaussians.
 constexpr std::uint32_t kFewLeavesOfCluster = 250;
 
 /// Children of the Gaussians of a cluster, as places in the tree.

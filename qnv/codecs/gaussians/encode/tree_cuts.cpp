@@ -7,7 +7,7 @@
 namespace gs::qnv::gaussians {
 namespace {
 
-// A Gaussian for so few leaves is replaced by all of them at once.
+// If a Gaussian has at most this many leaves, all of them replace it.
 constexpr std::uint32_t kFewLeaves = 6;
 
 }  // namespace

@@ -62,7 +62,7 @@ TEST_CASE("merged Gaussians conserve visible opacity x area, positions and colou
     CHECK(glm::length(part.position - whole.position) < 1e-4 * whole.weight);
     CHECK(glm::length(part.color - whole.color) < 1e-4 * whole.weight);
   }
-  // A look covers as much as the blob, unless the opacity would exceed the largest growth.
+  // A look covers as much as the blob, unless this needs more than the maximum growth.
   std::size_t kept = 0, all = 0;
   for (const std::uint32_t i : cut(*tree, 20)) {
     if ((*tree)[i].leaf()) continue;

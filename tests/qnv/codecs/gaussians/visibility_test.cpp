@@ -33,7 +33,7 @@ double mean_of(const std::vector<float>& all, std::size_t first, std::size_t cou
 
 }  // namespace
 
-TEST_CASE("visibility of Gaussians is high on the surface and least inside of a body") {
+TEST_CASE("gives Gaussians on a surface a high visibility, and those inside a low one") {
   Gaussians body;
   add_sphere(body, 1, 2000);
   add_sphere(body, 0.9f, 1000);
@@ -47,7 +47,7 @@ TEST_CASE("visibility of Gaussians is high on the surface and least inside of a 
   CHECK(*std::ranges::min_element(all) >= kLeastVisibility);
 }
 
-TEST_CASE("visibility of Gaussians counts views from inside") {
+TEST_CASE("gives the walls of a room a high visibility from inside") {
   Gaussians room;
   add_sphere(room, 1.2f, 3000);
   add_sphere(room, 1.1f, 3000);
@@ -59,7 +59,7 @@ TEST_CASE("visibility of Gaussians counts views from inside") {
   CHECK(mean_of(all, 6000, 3000) > 0.2);
 }
 
-TEST_CASE("visibility of Gaussians does not depend on the number of threads") {
+TEST_CASE("gives equal visibility for any number of threads") {
   const Gaussians cloud = test::splat_cloud(2000);
   CHECK(visibility_of(cloud, 1, nullptr) == visibility_of(cloud, 3, nullptr));
   Progress progress;
@@ -67,7 +67,7 @@ TEST_CASE("visibility of Gaussians does not depend on the number of threads") {
   CHECK(visibility_of(cloud, 1, &progress).empty());
 }
 
-TEST_CASE("visibility accepts degenerate Gaussians") {
+TEST_CASE("gives degenerate Gaussians a visibility") {
   CHECK(visibility_of(test::splat_cloud(1), 1, nullptr) == std::vector<float>{1});
   Gaussians flat = test::splat_cloud(300);
   for (std::size_t i = 0; i < flat.size(); ++i) {
