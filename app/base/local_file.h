@@ -27,8 +27,8 @@ struct LocalFile {
                                         const net::Origin& from, const std::string& given = {},
                                         const net::CheckFirstBytes& check = {});
 
-/// Returns the path of an existing file that equals `path`, or else equals it except for upper and lower case. Returns
-/// an empty text if there is none. Asks no policy.
+/// Returns `path` if this file exists, else the path of a file that differs only in upper and lower case. Returns an
+/// empty string if there is none. Does not check the policy.
 [[nodiscard]] std::string existing_path(const std::string& path);
 
 /// Returns the policy for a world in the file `path`. The world may refer to files in its own folder and its

@@ -169,9 +169,11 @@ void put_values(JsonValue& facts, const qnv::StreamHeader& header, const qnv::Ge
 
 // Adds the properties of a stream of Gaussians, and the errors at its end.
 void put_gaussians(JsonValue& facts, const qnv::StreamHeader& header) {
-  const qnv::gaussians::SplatErrors errors = qnv::gaussians::splat_errors(header.gaussians.steps);
+  const qnv::gaussians::SplatErrors errors =
+      qnv::gaussians::splat_errors(header.gaussians.steps, header.gaussians.trained, header.gaussians.fine);
   facts.put("harmonics", header.gaussians.degree);
   facts.put("antialiased", header.gaussians.antialiased);
+  facts.put("trained_models", header.gaussians.trained);
   facts.put("errors_at_the_end",
             JsonValue::named({{"position_in_deviations", JsonValue::list({errors.place[0], errors.place[1]})},
                               {"deviation", errors.scale},

@@ -26,7 +26,7 @@ struct MeshStream {
   glm::dvec3 origin{0};                 // origin of the triangle coordinates, in world units
   std::optional<ColorKey> color_key{};  // values that the colours represent
   qnv::TriangleSource source{};
-  std::string omitted{};  // warning that names omitted cells of a grid; empty if there are none
+  std::string omitted{};  // warning that counts the omitted cells of a grid; empty if there are none
 };
 
 /// Callback that may release the first bytes of the file from memory. The argument is the number of these bytes.

@@ -133,12 +133,12 @@ std::optional<SplatSurvey> survey_splats(std::string_view path, std::span<const 
     return file ? own_survey(*file, qnv::share_of(ranks, file->runs())) : std::nullopt;
   };
   if (ranks.count() == 1) return read();
-  // A rank that fails still takes part in the collective functions, so that the others do not wait for it.
+  // A rank that fails still calls the collective functions. Otherwise, the other ranks would wait for it.
   std::vector<std::byte> text;
   try {
     if (const auto own = read()) text = bytes_of(*own);
   } catch (...) {
-    text.clear();  // memory is missing, for example
+    text.clear();  // for example, memory does not suffice
   }
   const std::uint64_t size = text.size();
   const auto sizes = qnv::gather_records<std::uint64_t>(ranks, std::span(&size, 1));

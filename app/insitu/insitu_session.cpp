@@ -116,7 +116,7 @@ int InSituSession::begin_step(std::int64_t step, double time) {
   return GS_INSITU_OK;
 }
 
-// Decides on rank 0 whether the step is taken, and which values the parameters have.
+// Decides on rank 0 whether to take the step. Chooses the values of the parameters.
 void InSituSession::decide(std::int64_t step, std::int64_t number, StepDecision& decision) {
   if (const auto cost = encoder_.take_cost()) pace_.note_cost(cost->seconds, cost->grid_bytes);
   log_messages();
@@ -131,7 +131,7 @@ void InSituSession::decide(std::int64_t step, std::int64_t number, StepDecision&
   std::ranges::copy(values, decision.values.begin());
 }
 
-// Chooses on rank 0 the chunks that all ranks send now. After that, nothing may fail, because the chunks count as sent.
+// Chooses on rank 0 the chunks that all ranks send now. They count as sent, so nothing may fail afterwards.
 void InSituSession::choose_chunks(StepDecision& decision) {
   if (ranks_.count() == 1 || !share_permits()) return;
   const std::vector<WantedChunk> chunks = publisher_->take_wanted(decision.chunk.size());

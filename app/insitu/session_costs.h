@@ -11,7 +11,7 @@ namespace gs::app::insitu {
 
 /// Result of encoding a step.
 struct EncodedFacts {
-  double seconds = 0;  // from the end of the step
+  double seconds = 0;  // from the end of the step to the end of its encoding
   std::uint64_t bytes = 0;
   double max_error = 0;
   std::uint32_t thinning = 1;
@@ -20,7 +20,7 @@ struct EncodedFacts {
 /// Time and bytes that a session used, for its statistics and for its share of run time. Any thread.
 class SessionCosts : NonCopyable {
  public:
-  /// Adds time in the library: `own` counts towards the share, `processor` is the time of all threads.
+  /// Adds seconds in the library: `own` counts towards the share, `processor` is processor time.
   void add(double own, double processor);
   /// Charges the processor time of the calling thread since the previous call. Only the server's thread may call it.
   /// `overview` is the time for the last chunk of an overview, or 0.
@@ -32,9 +32,9 @@ class SessionCosts : NonCopyable {
   [[nodiscard]] double own() const;
   /// Returns the processor time of the last chunk of an overview.
   [[nodiscard]] double overview() const;
-  /// Reports whether chunks below the overview may be encoded within a share of `run_seconds`. 0 means no limit.
+  /// Reports whether `share` of `run_seconds` permits chunks below the overview. A share of 0 means unlimited.
   [[nodiscard]] bool permit(double share, double run_seconds) const;
-  /// Writes the seconds, bytes and errors to the statistics.
+  /// Writes the seconds, the bytes, and the facts of the last step to the statistics.
   void describe(gs_insitu_statistics& all) const;
 
  private:

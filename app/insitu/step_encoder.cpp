@@ -59,7 +59,7 @@ double StepEncoder::start(StepData data, Clock::time_point ended, const StepCost
   try {
     thread_ = std::thread(work);
     return 0;
-  } catch (const std::exception&) {  // the system has no more threads, or memory is missing
+  } catch (const std::exception&) {  // the system has no more threads, or memory does not suffice
     const std::lock_guard lock(mutex_);
     busy_ = false;
   }

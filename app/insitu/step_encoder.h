@@ -21,13 +21,13 @@ struct StepCost {
   std::uint64_t grid_bytes = 0;
 };
 
-/// Encoder of the steps on rank 0: encodes and publishes a step on the calling thread, or on a thread of its own. One
-/// thread, apart from its own.
+/// Encoder of the steps on rank 0. It encodes and publishes a step on the calling thread, or on its own thread. Call it
+/// from one thread.
 class StepEncoder : NonCopyable {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// `costs` and the publisher must outlive this object, or the last wait().
+  /// `costs` and the publisher must live until the last wait(), or longer than this object.
   StepEncoder(StreamLimits limits, SessionCosts& costs) : limits_(std::move(limits)), costs_(costs) {}
   ~StepEncoder() { wait(); }
   void set_publisher(Publisher* publisher) { publisher_ = publisher; }
@@ -35,8 +35,8 @@ class StepEncoder : NonCopyable {
   /// Encodes and publishes a step, which ended at `ended`. Returns the seconds in which the output blocked without
   /// using the processor.
   double encode(const StepData& data, Clock::time_point ended);
-  /// Does the same on a thread, after the previous step. `cost` is the cost of the step so far. If there is no thread,
-  /// encodes now. Returns the seconds as encode() does. Throws if memory is missing; the encoder is then idle.
+  /// Waits for the previous step, then calls encode() on a thread. `cost` is the cost of the step so far. If the system
+  /// has no thread, encodes now and returns the result. Throws if memory does not suffice; the encoder is then idle.
   double start(StepData data, Clock::time_point ended, const StepCost& cost);
   /// Waits until the thread has ended.
   void wait();

@@ -13,11 +13,11 @@ constexpr double kWorth = 1.1;         // min ratio of times that makes a coarse
 constexpr double kWeight = 0.3;        // weight of a new time in the mean
 constexpr int kSlow = 3, kSteady = 8;  // pictures before a coarser and before a finer level is chosen
 constexpr int kRestPictures = 150;     // pictures before a coarser level is tried again after one that saved no time
-/// Gaussians that fade in and out exceed the maximum for some pictures, which are no measure. Later excess means that
-/// no coarser Gaussians exist.
+/// Fading Gaussians exceed the maximum for some pictures. Their times do not count. If the excess lasts longer, no
+/// coarser Gaussians exist.
 constexpr double kExcess = 1.3;
 constexpr int kFadingPictures = 6;
-/// Factors of the number of Gaussians: to aim below the goal, limits of one reduction, and one increase.
+/// Factors of the number of Gaussians: margin below the goal, bounds of one reduction, and one increase.
 constexpr double kFewer = 0.85, kFewest = 0.5, kSlightlyFewer = 0.95, kMore = 1.25;
 constexpr double kIdle = 0.65;       // fraction of the goal below which more Gaussians are drawn
 constexpr double kUsed = 0.75;       // fraction of the maximum above which the maximum limits a picture
@@ -43,7 +43,7 @@ void PictureDetail::choose(std::size_t level) {
 }
 
 /// Compares the times before and after the last change of the level. Returns to the former level if a coarser one
-/// saves no time, because the time does not depend on the pixels. Fewer Gaussians may still save time.
+/// saves no time, because the time does not depend on the pixels. Keeps it while fewer Gaussians can still save time.
 void PictureDetail::learn(std::size_t gaussians) {
   const std::size_t low = std::min(former_, level_), high = std::max(former_, level_);
   const double finer = former_ < level_ ? former_mean_ : mean_, coarser = former_ < level_ ? mean_ : former_mean_;

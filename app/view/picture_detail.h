@@ -52,7 +52,7 @@ class PictureDetail {
   std::size_t level_ = 0;
   std::size_t most_gaussians_ = kFirstGaussians;
   int pictures_ = 0;        // pictures at the current level and with the current number of Gaussians
-  int excess_ = 0;          // last pictures with more Gaussians than the maximum
+  int excess_ = 0;          // consecutive pictures with far more Gaussians than the maximum
   double mean_ = 0;         // mean time of these pictures; recent pictures count more
   std::size_t former_ = 0;  // level before the last change; equal to level_ if the change is already measured
   double former_mean_ = 0;

@@ -18,8 +18,8 @@ namespace {
 constexpr int kSettlingFrames = 3;                  // number of frames until the interface has adapted to a change
 constexpr double kIdleWait = 30;                    // seconds; max wait without events
 constexpr double kLongPicture = 0.3;                // seconds; longer drawing is a delay that users notice
-constexpr std::size_t kThumbnailVectors = 250'000;  // several per pixel; more would delay the window
-constexpr double kMaxPresenting = 0.01;             // seconds; longer presenting includes the wait for the display
+constexpr std::size_t kThumbnailVectors = 250'000;  // max vectors of a thumbnail; more would delay the window
+constexpr double kMaxPresenting = 0.01;             // seconds; a longer time includes the wait for the display
 constexpr double kLoadingWait = 0.25;               // seconds between pictures of the moving progress line
 
 ViewerControllerOptions controller_options(const ViewerOptions& options, float scale) {
@@ -55,7 +55,7 @@ std::variant<std::vector<std::byte>, std::string> paint(render::Renderer& render
   draw.background = options.background;
   draw.splats = options.splats;
   draw.budget = options.budget > 0 ? options.budget : kWindowBudget;
-  draw.viewport = static_cast<std::uint32_t>(kMaxViewports);  // the levels of detail of the window stay
+  draw.viewport = static_cast<std::uint32_t>(kMaxViewports);  // keeps the levels of detail of the window's viewports
   draw.headlight = view.headlight;
   draw.unit = static_cast<float>(view.scale);
   draw.splat_style = view.look;
@@ -210,7 +210,7 @@ void Viewer::tell(const Frame& frame) {
   show_title();
 }
 
-// Shows the frame that began at time `started`, and records its duration for the pictures in it.
+// Shows the frame that began at `started`. Records its duration for each picture in it.
 void Viewer::present(double started) {
   const double drawn = Window::now();
   window_->present();

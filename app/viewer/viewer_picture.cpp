@@ -10,8 +10,8 @@ namespace {
 // Max vectors of streams that are decoded in a frame for all viewports. Takes about 20 ms of one core.
 constexpr std::size_t kMaxDecoded = 250'000;
 constexpr double kMaxUninterrupted = 0.4;  // seconds of drawing after which new events can cancel a picture
-// Each picture of a view at rest may decode twice as much as the one before, up to this power of two. So the first one
-// is soon visible, and few are necessary.
+// Each picture of a view at rest may decode twice as much as the previous one, at most this many times. So the first
+// picture appears soon, and few pictures are necessary.
 constexpr unsigned kMostDoublings = 5;
 constexpr double kMaxAhead = 0.25;  // maximum of the expected drawing time, in seconds
 constexpr int kSettlingFramesAfterWait = 3;

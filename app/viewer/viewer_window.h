@@ -81,7 +81,7 @@ class Viewer final : public WindowOperations, NonCopyable {
   StartPage start_page_;
   PictureLedger pictures_;
   std::array<PictureDetail, kMaxViewports> details_;
-  std::array<unsigned, kMaxViewports> doublings_{};  // of the decoding of a view at rest
+  std::array<unsigned, kMaxViewports> doublings_{};  // of kMaxDecoded, for a view at rest
   LoadingPace pace_;
   std::string title_;
   PictureMeasures measures_;
@@ -95,13 +95,13 @@ class Viewer final : public WindowOperations, NonCopyable {
   std::vector<UiActions> late_actions_;  // actions of the user in draw_waiting(), for the end of the step
   bool interface_first_ = false;         // draw the interface at once, without waiting for a new picture of the worlds
   double picture_seconds_ = 0;           // seconds; duration of the last picture
-  /// Picture of the current frame, for PictureDetail.
+  /// Picture that the current frame drew, for PictureDetail::note().
   struct DrawnPicture {
     std::size_t pane, level;
     bool given_up;
     std::size_t gaussians;
   };
-  std::vector<DrawnPicture> drawn_;  // in the current frame
+  std::vector<DrawnPicture> drawn_;  // pictures of the current frame
 };
 
 }  // namespace gs::app

@@ -42,8 +42,8 @@ constexpr std::size_t kMostIdleHandles = 4;
 
 using MultiHandle = std::unique_ptr<CURLM, FreeMulti>;
 
-/// Multi handles of transports that ended. They keep idle connections, so that the next transport need not connect
-/// again: each version of a followed world has a loader of its own. Each request on a connection checks its address.
+/// Multi handles of ended transports. They keep idle connections for the next transport. For example, each version of a
+/// followed world has its own loader. Each request on a connection checks the address. Any thread.
 class IdleHandles {
  public:
   [[nodiscard]] MultiHandle take() {
@@ -55,7 +55,7 @@ class IdleHandles {
   }
   /// Keeps a handle without transfers. Drops the oldest one if there are too many.
   void keep(MultiHandle handle) {
-    MultiHandle dropped;  // closes its connections without the lock
+    MultiHandle dropped;  // destroyed after the lock, so that its connections close without it
     const std::lock_guard lock(mutex_);
     idle_.push_back(std::move(handle));
     if (idle_.size() <= kMostIdleHandles) return;

@@ -7,14 +7,22 @@
 #include <cstdlib>
 
 namespace gs::qnv {
+namespace {
+
+// Bit of the byte of the degree. Readers without trained models refuse the degree.
+constexpr int kTrainedFlag = 16;
+// Place of the number of fine bits in the flags.
+constexpr int kFineShift = 4;
+
+}  // namespace
 
 std::vector<std::byte> encode_gaussian_coding(const GaussianCoding& coding) {
   std::vector<std::byte> out;
   ByteWriter write(out);
   write.integer(static_cast<std::int16_t>(coding.important));
   write.integer(static_cast<std::int16_t>(coding.finest));
-  write.integer(static_cast<std::uint8_t>(coding.degree));
-  write.integer(static_cast<std::uint8_t>(coding.antialiased ? 1 : 0));
+  write.integer(static_cast<std::uint8_t>(coding.degree | (coding.trained ? kTrainedFlag : 0)));
+  write.integer(static_cast<std::uint8_t>((coding.antialiased ? 1 : 0) | coding.fine << kFineShift));
   write.integer(static_cast<std::int8_t>(coding.steps));
   return out;
 }
@@ -24,12 +32,16 @@ std::optional<GaussianCoding> decode_gaussian_coding(std::span<const std::byte> 
   GaussianCoding coding;
   coding.important = read.integer<std::int16_t>();
   coding.finest = read.integer<std::int16_t>();
-  coding.degree = read.integer<std::uint8_t>();
+  const auto degree = read.integer<std::uint8_t>();
+  coding.trained = (degree & kTrainedFlag) != 0;
+  coding.degree = degree & ~kTrainedFlag;
   const auto flags = read.integer<std::uint8_t>();
   coding.antialiased = (flags & 1) != 0;
+  coding.fine = coding.trained ? flags >> kFineShift : 0;
   coding.steps = read.integer<std::int8_t>();
-  if (!read.good() || coding.degree > Gaussians::kMaxDegree || coding.finest < 0 ||
-      coding.finest > GaussianCoding::kMostScale || std::abs(coding.steps) > GaussianCoding::kMostSteps)
+  if (!read.good() || coding.degree > Gaussians::kMaxDegree || coding.fine > GaussianCoding::kMostFine ||
+      coding.finest < 0 || coding.finest > GaussianCoding::kMostScale ||
+      std::abs(coding.steps) > GaussianCoding::kMostSteps)
     return std::nullopt;
   return coding;
 }

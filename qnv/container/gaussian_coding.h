@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -15,8 +16,12 @@ struct GaussianCoding {
   int steps = 0;             // log2 of a factor of all steps, in eighths; at most kMostSteps in magnitude
   int degree = 0;            // of the spherical harmonics, 0 to 3
   bool antialiased = false;  // as Gaussians::antialiased
+  bool trained = false;      // models start with a table, and steps are those of streams with it
 
-  static constexpr int kMostSteps = 32, kMostScale = 639;
+  // Bits that refine the scales and opacities of leaves; at most kMostFine, and 0 unless `trained`.
+  std::uint8_t fine = 0;
+
+  static constexpr int kMostSteps = 32, kMostScale = 639, kMostFine = 4;
   friend bool operator==(const GaussianCoding&, const GaussianCoding&) = default;
 };
 

@@ -19,8 +19,8 @@
 
 namespace gs::render {
 
-/// Factor of the colours of a layer with Gaussians. Colours above 1 are possible. The layer has fractions, so it holds
-/// a quarter of the colours.
+/// Factor of the colours of a layer with Gaussians. The layer holds numbers from 0 to 1, but colours may exceed 1. So
+/// it holds a quarter of each colour.
 constexpr float kGaussianLayerGain = 4;
 
 /// Returns the shader of DepthGlSort for Gaussians.

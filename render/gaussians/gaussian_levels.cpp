@@ -21,7 +21,7 @@ constexpr qnv::SplatLimits kLevelLimits{std::size_t{1} << 27, std::size_t{1} << 
 constexpr std::size_t kMostMoving = 400'000;
 // Maximum seconds from the end of a motion until all Gaussians replace the cut. Longer than the fades of the cut.
 constexpr double kSettling = 0.28;
-// Step in which a thread waits until the Gaussians are steady.
+// Interval between checks while a thread waits until the Gaussians are steady.
 constexpr std::chrono::milliseconds kSteadyStep{50};
 
 /// Approximate bytes of the stream for one Gaussian, and for one coefficient of harmonics.
@@ -39,7 +39,8 @@ std::size_t bytes_of_levels(const qnv::Gaussians& gaussians) {
 std::unique_ptr<qnv::SplatStream> encoded_levels(const qnv::Gaussians& gaussians, const qnv::LodView& view,
                                                  Progress& progress) {
   qnv::EncodeOptions options;
-  options.threads = 1;  // other threads draw
+  options.threads = 1;     // other threads draw
+  options.fitted = false;  // moving views gain little from it
   auto encoded = qnv::encode_gaussians(gaussians, options, &progress);
   const auto* stream = std::get_if<qnv::EncodedStream>(&encoded);
   if (!stream || is_cancelled(&progress)) return nullptr;
@@ -57,7 +58,7 @@ std::unique_ptr<qnv::SplatStream> encoded_levels(const qnv::Gaussians& gaussians
 struct GaussianLevels::Work {
   Progress progress;
   Share share;                      // of the budget of the world
-  std::atomic<bool> moves = false;  // the view moves, so that the thread need not wait until the Gaussians are steady
+  std::atomic<bool> moves = false;  // a view moves, so the thread does not wait until the Gaussians are steady
   std::atomic<bool> done = false;
   std::unique_ptr<qnv::SplatStream> stream;  // valid if `done`; null if there are no levels
 };

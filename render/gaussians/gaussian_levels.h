@@ -29,7 +29,7 @@ class GaussianLevels : NonCopyable {
   /// Minimum and maximum number of Gaussians that get levels.
   static constexpr std::size_t kLeast = 50'000, kMost = 2'000'000;
 
-  /// `steady` is the time that Gaussians must stay before they get levels without a motion, if they replaced others.
+  /// `steady` applies to Gaussians that replaced others. Without a motion, they get levels only after this time.
   explicit GaussianLevels(std::size_t least = kLeast,
                           std::chrono::milliseconds steady = std::chrono::milliseconds(2000))
       : least_(least), steady_(steady) {}

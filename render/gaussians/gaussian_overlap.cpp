@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kMostSampled = 65536;
 constexpr float kSlabPixels = 16;  // pixels of the shared region, along its longer side, per slab
 
-/// Returns the bounds of a geometry in world space. They are empty if it has other content, or no box.
+/// Returns the bounds of a geometry in world space. Returns empty bounds if it has other content, or no box.
 template <class Content>
 WideBox bounds_of(const SplatItem& item) {
   if (!item.geometry || !item.geometry->as<Content>() || item.geometry->description().box.empty()) return {};
@@ -32,7 +32,7 @@ WideBox bounds_of_all(const RenderList& list) {
   return bounds;
 }
 
-/// Region of the picture, in pixels.
+/// Region that Gaussians and volumes share: pixels of the picture, and depths.
 struct SharedRegion {
   glm::vec2 lower{std::numeric_limits<float>::max()}, upper{std::numeric_limits<float>::lowest()};
   DepthRange depths{std::numeric_limits<float>::max(), 0};

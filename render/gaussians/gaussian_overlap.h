@@ -31,8 +31,8 @@ struct VolumeBox {
 /// Returns the boxes of all volumes of a list.
 [[nodiscard]] std::vector<VolumeBox> volume_boxes(const RenderList& list, const Camera& camera);
 
-/// Returns the depths of the Gaussians with centres in view and inside of a volume's box, from a sample of at most
-/// 65,536. The number of slabs grows with the size of these Gaussians in the picture. Returns nullopt if there are
+/// Returns the depths of Gaussians with centres in view and inside of a volume's box, from a sample of at most 65,536.
+/// The number of slabs grows with the size of the region of these centres in the picture. Returns nullopt if there are
 /// none. Accepts any numbers.
 [[nodiscard]] std::optional<SharedDepths> shared_depths(std::span<const GaussianItem> items,
                                                         std::span<const VolumeBox> volumes, const SplatView& view);

@@ -97,7 +97,7 @@ bool is_in_view(const GaussianLens& lens, const GaussianSplat& splat) {
 }
 
 /// Reads eight splats of an item from index `first` on. Splats from `end` on and clipped splats get the opacity 0. Uses
-/// pointers, because the library checks indices.
+/// pointers, because the standard library would check each index.
 void read_eight(const GaussianItem& item, std::size_t first, std::size_t end, EightGaussians& eight) {
   const qnv::Gaussians& g = *item.gaussians;
   const glm::vec3 *const positions = g.positions.data(), *const scales = g.scales.data();

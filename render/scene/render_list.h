@@ -263,7 +263,7 @@ struct RenderList {
   /// valid. 0 means that changes are not tracked. Does not cover the growth of geometries and images in the list.
   std::uint64_t changes = 0;
   std::vector<SplatItem> splats;
-  std::shared_ptr<Budget> budget;  // of the world, for data that drawing derives from the list; null means no limit
+  std::shared_ptr<Budget> budget;  // of the world, for data that is derived while drawing; null means unlimited
   std::vector<Light> lights;  // directional lights have effect only through DrawItem::directional_lights
   /// ClipPlanes in world space: a point p is drawn if dot(plane, (p, 1)) is positive.
   std::vector<glm::dvec4> clip_planes;

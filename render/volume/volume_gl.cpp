@@ -159,7 +159,8 @@ void VolumeGl::draw_range(const Visible& visible, const View& view, const SplatR
   const VolumeLens lens = *volume_lens(view.lens, visible.items.front().camera_from_node);
   const glm::vec4 pixels(lens.pixels_x, lens.pixels_y, lens.width, lens.height);
   const glm::mat4& clip = view.projection.clip_from_camera;
-  const glm::vec4 depths(std::max(view.lens.near_plane, range.nearest), clip[2][2], clip[3][2], view.projection.reversed ? 0.0f : -1.0f);
+  const glm::vec4 depths(std::max(view.lens.near_plane, range.nearest), clip[2][2], clip[3][2],
+                         view.projection.reversed ? 0.0f : -1.0f);
   gl_.Uniform4fv(at("lens"), 1, glm::value_ptr(pixels));
   const glm::vec2 straight = -view.lens.center * glm::vec2(lens.pixels_x, lens.pixels_y);
   gl_.Uniform2f(at("straight"), straight.x, straight.y);

@@ -19,7 +19,7 @@
 namespace gs::render {
 namespace {
 
-constexpr double kShareSteps = 8;  // steps per octave
+constexpr double kShareSteps = 8;               // steps per octave
 constexpr std::uint64_t kKeptModelFrames = 64;  // frames for which a model is kept although its prefix is not drawn
 
 /// Rounds a share down to a step. Shares change with each movement of the viewer; the number of drawn vectors should
@@ -155,8 +155,8 @@ void VolumePass::on_processor(const Scene& scene, const SplatView& view, const P
   const LayerRaster volumes = [&](const SplatView& part, const VolumeStops& limits) {
     return rasterize_volumes(scene.items, part, limits);
   };
-  const VolumeLayer layer = overlap ? rasterize_together({volumes, overlap->rasterize}, view, stops, overlap->shared.range,
-                                                         overlap->shared.slabs)
+  const VolumeLayer layer = overlap ? rasterize_together({volumes, overlap->rasterize}, view, stops,
+                                                         overlap->shared.range, overlap->shared.slabs)
                                     : volumes(view, stops);
   statistics.vectors += layer.vectors;
   if (layer.empty()) return;
@@ -180,10 +180,10 @@ void VolumePass::draw(const RenderList& list, const Camera& camera, const Projec
         view, projection, {options.x, options.y, options.width, options.height}, options.viewport};
     if (const auto volumes = volume_gl_.prepare(scene.held, scene.items, gl_view)) {
       if (overlap)
-        target_.blend(gl_view.rectangle, projection,
-                      parts_in_slabs({&*volumes, &overlap->prepared},
-                                     depth_slabs(overlap->shared.range, overlap->shared.slabs)),
-                      overlap->gain);
+        target_.blend(
+            gl_view.rectangle, projection,
+            parts_in_slabs({&*volumes, &overlap->prepared}, depth_slabs(overlap->shared.range, overlap->shared.slabs)),
+            overlap->gain);
       else if (volumes->total > 0)
         target_.blend(gl_view.rectangle, projection, growing_parts(*volumes));
       statistics.vectors += volumes->found.vectors + (overlap ? overlap->prepared.found.vectors : 0);

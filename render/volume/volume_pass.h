@@ -39,7 +39,7 @@ class VolumePass {
     LayerRaster rasterize;
     PreparedSplats prepared;
     bool with_gl = false;  // `prepared` is valid
-    float gain = 1;        // of the layer of OpenGL
+    float gain = 1;        // factor of the colours of the layer of OpenGL
     SharedDepths shared;
   };
   /// Draws the volumes. Call it after all opaque content. `camera` must have near and far planes. Leaves blending and

@@ -47,22 +47,22 @@ struct BlendedSplats {
   std::size_t vectors = 0;  // splats in view; estimated if there are many
   bool pending = false;     // the order is that of an earlier view: draw again
 };
-/// Splats that are in an order and in memory of OpenGL. Valid until their owner prepares others.
+/// Splats in memory of OpenGL, with their order. Valid until their owner prepares others.
 struct PreparedSplats {
   BlendedSplats found;
   std::size_t total = 0;  // number of splats in the order; 0 if none is in view
   std::function<void(const SplatRange&)> draw;
 };
-/// Part of splats that is drawn at once. The order begins with the nearest splat.
+/// Range of splats for one draw call. The order begins with the nearest splat.
 struct BlendedPart {
   const PreparedSplats* splats = nullptr;
   SplatRange range;
 };
 
-/// Returns all splats of both contents in slabs of depth.
+/// Returns one part per slab, in the order of the slabs.
 [[nodiscard]] std::vector<BlendedPart> parts_in_slabs(const std::array<const PreparedSplats*, 2>& contents,
                                                       std::span<const DepthSlab> slabs);
-/// Returns all splats in ranges. Near splats make many pixels opaque, so the first ranges are small.
+/// Divides all splats into ranges. Near splats make many pixels opaque, so the first ranges are small.
 [[nodiscard]] std::vector<BlendedPart> growing_parts(const PreparedSplats& splats);
 
 /// Render target for splats that are blended in the order of their depths: volumes and Gaussians. Copies the depth of

@@ -1,5 +1,5 @@
-// Fuzzes streams of Gaussians from which views take cuts: in memory, in a file, growing, with requested chunks, and
-// with damaged chunks that parity restores.
+// Fuzzes the streams of Gaussians that views draw: in memory, in a file, growing, with requested chunks, and with
+// damaged chunks that parity restores.
 #include "qnv/codecs/gaussians/lod/splat_stream.h"
 #include "qnv/codecs/octree/lod/lod_source.h"
 #include "qnv/reader/loss.h"
@@ -72,7 +72,7 @@ void check_cut(const std::vector<SplatRun>& runs) {
     }
     count += run.count;
   }
-  require(count <= 2 * kMaxCut);  // those that fade out are drawn, too
+  require(count <= 2 * kMaxCut);  // includes Gaussians that fade out
 }
 
 /// Draws a stream in near and far views of two viewports, with and without a clock.

@@ -13,37 +13,38 @@
 namespace gs::app {
 namespace {
 
-// Maximum count of numbers of a row of an array, and numbers of a block that is read at once.
+// Maximum count of numbers in a row of an array, and count of numbers in a block. Each read gets one block.
 constexpr std::uint64_t kMostRowNumbers = 4096, kBlockNumbers = std::uint64_t{1} << 14;
-// Maximum number of blocks in memory of an array.
+// Maximum number of blocks of an array in memory.
 constexpr std::size_t kMostBlocksKept = 32;
 
-/// Open file of arrays. Any thread.
+/// Open file of arrays. `mutex` guards its reads. Any thread.
 struct OpenArrays {
   std::shared_ptr<ArrayFile> file;
   std::mutex mutex;
 };
 
-/// Rows of an array. Keeps the last blocks.
+/// Rows of an array. Keeps the most recently used blocks in memory.
 class RowNumbers final : public GridNumbers {
  public:
-  /// Returns a message if the array cannot have these rows.
+  /// Opens rows of an array. Returns a message if the array does not have these rows.
   static std::variant<std::unique_ptr<GridNumbers>, std::string> open(std::shared_ptr<OpenArrays> arrays,
                                                                       const ArrayRows& rows) {
     const auto& all = arrays->file->arrays();
     const auto found = std::ranges::find(all, rows.path, &ArrayInfo::path);
-    if (found == all.end()) return "there is no array " + rows.path;
+    if (found == all.end()) return "expected an array " + rows.path + ", which the file does not have";
     if (!found->problem.empty()) return rows.path + ": " + found->problem;
     const std::size_t axis = rows.before.size();
     bool fits = found->type != NumberType::none && found->shape.size() > axis;
     for (std::size_t i = 0; fits && i < axis; ++i) fits = rows.before[i] < found->shape[i];
     fits = fits && rows.first <= found->shape[axis] && rows.rows <= found->shape[axis] - rows.first;
-    if (!fits) return rows.path + " has too few rows, or no numbers";
+    if (!fits) return rows.path + " has too few rows, or no numbers; expected " + std::to_string(rows.rows) + " rows of numbers";
     std::uint64_t stored = found->parts;
     for (std::size_t i = axis + 1; i < found->shape.size() && stored <= kMostRowNumbers; ++i)
       stored *= std::max<std::uint64_t>(1, found->shape[i]);
     if (stored > kMostRowNumbers || rows.columns > stored || rows.columns == 0)
-      return rows.path + " has " + (stored > kMostRowNumbers ? "too many" : "too few") + " numbers in a row";
+      return rows.path + " has " + (stored > kMostRowNumbers ? "too many" : "too few") + " numbers in a row; expected " +
+             std::to_string(rows.columns) + " to " + std::to_string(kMostRowNumbers);
     return std::unique_ptr<GridNumbers>(new RowNumbers(std::move(arrays), rows, *found, stored));
   }
 
@@ -65,7 +66,7 @@ class RowNumbers final : public GridNumbers {
 
  private:
   struct Block {
-    std::uint64_t number = 0, used = 0;  // `used` grows with each use
+    std::uint64_t number = 0, used = 0;  // `used` is the value of `uses_` at the last use
     std::vector<double> numbers;
   };
   RowNumbers(std::shared_ptr<OpenArrays> arrays, const ArrayRows& rows, const ArrayInfo& info, std::uint64_t stored)
@@ -119,14 +120,14 @@ class RowNumbers final : public GridNumbers {
 
   std::shared_ptr<OpenArrays> arrays_;
   ArrayRows rows_;
-  std::size_t index_, stored_;  // number of the array; numbers of a stored row
+  std::size_t index_, stored_;  // index of the array; count of numbers in a stored row
   std::uint64_t block_rows_, in_block_;
   std::vector<Block> kept_;
   std::size_t last_ = 0;
   std::uint64_t uses_ = 0;
 };
 
-/// Coordinates that are stored as an array of each axis, as rows of three numbers. Missing axes are 0.
+/// Coordinates from one array per axis, joined to rows of three numbers. Missing axes are 0.
 class JoinedAxes final : public GridNumbers {
  public:
   explicit JoinedAxes(std::vector<std::unique_ptr<GridNumbers>> axes) : axes_(std::move(axes)) {}
@@ -203,7 +204,7 @@ class ArrayGrid final : public GridSource {
   GridFile on_disk_;
 };
 
-// Reports whether a part can be read in parts: its arrays belong together, and its numbers are in range.
+// Reports whether the reader supports a part: it has all necessary arrays, and its counts are in range.
 bool is_sound(const GridPartRows& part) {
   const bool typed = !part.types.empty() && !part.ends.empty();
   return part.points > 0 && part.cells > 0 && part.points < kMostGridPoints && part.cells < kMostGridPoints &&

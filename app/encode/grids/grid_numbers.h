@@ -10,7 +10,7 @@
 
 namespace gs::app {
 
-/// Numbers of a grid that is read in parts, such as the coordinates of a part. One thread.
+/// Array of numbers in a grid that is read in parts, such as the coordinates of a part. One thread.
 class GridNumbers {
  public:
   virtual ~GridNumbers() = default;
@@ -33,7 +33,7 @@ struct GridPartArrays {
   bool colors = false;           // the values are colours
   bool wide = false;             // the coordinates have double precision
   bool old_flags = false;        // cell_flags has the ghost levels of older files (vtkGhostLevels)
-  bool omits_polyhedra = false;  // the importer of the format omits them, too
+  bool omits_polyhedra = false;  // polyhedra count as unsupported, as in the importer of the format
 };
 
 /// Error text for a file that another program changed.
@@ -45,8 +45,8 @@ struct GridFile {
   std::uint64_t size = 0;                        // of the opened file
   std::filesystem::file_time_type changed_at{};  // time of the last change when the grid was opened
 
-  /// Finds the file of a grid. `name` is relative to the folder of the file `grid`, or empty for that file itself.
-  /// Ignores upper and lower case, as the readers of headers do.
+  /// Finds a file of a grid. `name` is absolute, relative to the folder of the file `grid`, or empty for `grid` itself.
+  /// If no file has the exact name, ignores upper and lower case, as the readers of headers do.
   [[nodiscard]] static GridFile find(const std::string& grid, const std::string& name, std::uint64_t size);
   [[nodiscard]] bool is_changed() const;
   /// Returns the size and the time of the last change, as a text.
@@ -57,13 +57,13 @@ struct GridFile {
 class GridSource {
  public:
   virtual ~GridSource() = default;
-  /// Opens the arrays of a part. Returns a message without the path on failure.
+  /// Opens the arrays of a part. On failure, returns a message for message(), without the path.
   [[nodiscard]] virtual std::variant<GridPartArrays, std::string> open(std::size_t part) const = 0;
   /// Reports whether another program changed the file of a part since the grid was opened.
   [[nodiscard]] virtual bool is_changed(std::size_t part) const = 0;
   /// Returns a text that differs if a file of the grid differs. For results that an earlier run of the program stored.
   [[nodiscard]] virtual std::string state() const = 0;
-  /// Returns an error text. Names the file of a part unless it is the first one, which callers name.
+  /// Returns an error text that begins with the file of the part. Omits the first file, because callers name it.
   [[nodiscard]] virtual std::string message(std::size_t part, const std::string& text) const = 0;
 };
 

@@ -47,7 +47,7 @@ struct OmittedCells {
     unknown += other.unknown;
     short_of += other.short_of;
   }
-  /// Returns a text that names all numbers above 0. Returns an empty text if there are none.
+  /// Returns a warning that lists the numbers above 0. Returns an empty text if all are 0.
   [[nodiscard]] std::string text() const {
     std::string text;
     const auto name = [&](std::uint64_t count, const char* what) {
@@ -60,14 +60,14 @@ struct OmittedCells {
   }
 };
 
-/// Result of a run that is recorded for later runs of the program.
+/// Result of a LargeGrid::Run, recorded for --resume.
 struct FinishedRun {
   StoredTriangles triangles;
   Box box;
   OmittedCells omitted;
 };
 
-/// Returns a record if the bytes have its size.
+/// Returns the bytes as a record. Returns nullopt if they have another size.
 template <class Record>
 std::optional<Record> finished_record(const std::optional<std::vector<std::byte>>& bytes) {
   static_assert(std::is_trivially_copyable_v<Record>);
@@ -128,8 +128,8 @@ class RunTriangles {
     }
   }
 
-  /// Makes the triangles of all polygons, as fans. Skips polygons with missing or non-finite corners. Returns false if
-  /// the file is damaged.
+  /// Triangulates all polygons as fans. Skips polygons with missing or non-finite corners. Returns false if the file is
+  /// damaged.
   bool make() {
     if (!read_points()) return false;
     std::size_t begin = 0;
@@ -156,8 +156,8 @@ class RunTriangles {
 
   [[nodiscard]] bool by_cell() const { return part_.has_values() && !part_.of_points(); }
 
-  /// Reads the points of all polygons in ascending order. So each block of a compressed array is unpacked once in a
-  /// run, even if cells use the points in any order.
+  /// Reads the points of all polygons in ascending order. So a run unpacks each block of a compressed array only once,
+  /// in whatever order its cells use the points.
   bool read_points() {
     numbers_ = corners_;
     std::erase(numbers_, kBadIndex);
@@ -255,8 +255,8 @@ class GridSurfaceMaker {
  private:
   [[nodiscard]] static std::string name_of(std::uint64_t run) { return "triangles " + std::to_string(run); }
 
-  /// Takes the triangles of this rank's runs that an earlier run of the program stored. Returns true if no rank lacks
-  /// any. Collective.
+  /// Finds the triangles that --resume has for this rank's runs. If all ranks find all of theirs, takes them. Returns
+  /// true in this case. Collective.
   bool restore_runs() {
     bool whole = true;
     for (std::uint64_t run = own_.first; run < own_.end; ++run) {
@@ -304,7 +304,7 @@ class GridSurfaceMaker {
     return std::nullopt;
   }
 
-  /// Finds the ranges in at most kTogether points and cells. Points that an earlier part has, too, count there.
+  /// Finds the ranges of at most kTogether points and cells. Omits points that the previous part already counted.
   bool survey_rows(GridPartReader& part, std::uint64_t first, bool has_own_points) {
     const auto rows_from = [first](std::uint64_t count) {
       return static_cast<std::size_t>(std::min(kTogether, count - std::min(count, first)));
@@ -331,7 +331,7 @@ class GridSurfaceMaker {
     return true;
   }
 
-  /// Finds the ranges of all ranks, or takes those of an earlier run of the program. Collective.
+  /// Finds the ranges of all ranks, or restores the ranges that --resume has. Collective.
   std::optional<EncodeError> find_ranges() {
     constexpr const char* kRanges = "ranges";
     if (const auto earlier = finished_record<GridRanges>(qnv::earlier_result(shared_, kRanges))) {
@@ -442,7 +442,7 @@ class GridSurfaceMaker {
   Progress* progress_;
   LargeGridReader reader_;
   qnv::RankShare own_;                                // runs that this rank reads
-  std::vector<std::optional<FinishedRun>> finished_;  // results of an earlier run of the program
+  std::vector<std::optional<FinishedRun>> finished_;  // results that --resume has, by run
   GridRanges ranges_;
   std::optional<ColorKey> key_;
   glm::dvec3 origin_{0};

@@ -101,7 +101,7 @@ bool GridPartReader::values(std::uint64_t first, std::span<double> to) {
   return true;
 }
 
-// Reads the ends of the cells of a run, relative to `first`, the number of their first corner.
+// Reads the ends of the cells of a run, relative to their first corner. Sets `first` to the number of that corner.
 std::optional<std::string> GridPartReader::read_ends(const LargeGrid::Run& run, std::size_t most_corners, double& first,
                                                      GridRun& cells) {
   if (arrays_.element_corners > 0) {

@@ -15,9 +15,9 @@
 
 namespace gs::app {
 
-/// Unstructured grid that exceeds memory: of VTK XML files, VTKHDF or Exodus II.
+/// Unstructured grid that exceeds memory, from VTK XML files, VTKHDF or Exodus II.
 struct LargeGrid {
-  /// Part of the grid with own arrays.
+  /// Part of the grid with its own arrays.
   struct Part {
     std::uint64_t points = 0, cells = 0;
     std::uint32_t space = 0;  // consecutive parts with equal numbers have the same points
@@ -28,10 +28,10 @@ struct LargeGrid {
     std::uint64_t first = 0;  // number of the first cell in the part
   };
   static constexpr std::uint64_t kRunCells = std::uint64_t{1} << 16;
-  /// Maximum number of runs, and of parts, for lists of at most 256 MB.
+  /// Maximum number of runs, and of parts. It limits their lists to 256 MB.
   static constexpr std::uint64_t kMostRuns = std::uint64_t{1} << 22;
 
-  std::uint64_t other_bytes = 0;  // size of the other files
+  std::uint64_t other_bytes = 0;  // size of all files except the first one
   std::shared_ptr<const GridSource> source;
   VoxelComponent choice;
   bool shows_values = false;

@@ -39,12 +39,12 @@ constexpr std::uint64_t kBucketShare = 16, kWaitingShare = 16, kOuterShare = 8;
 constexpr std::uint64_t kLeastMemory = std::uint64_t{1} << 20;
 // Maximum size of a bucket, as a multiple of its share.
 constexpr std::uint64_t kUneven = 4;
-// Minimum number of buckets. Up to 16 ranks have equal buckets, so that a later run with another number continues.
+// Minimum number of buckets. It gives up to 16 ranks equal buckets, so that --resume may change the number of ranks.
 constexpr std::uint64_t kLeastBuckets = 64;
-// Faces that must wait per bucket in use before the runs so far are recorded. Fewer would make small blocks.
+// Minimum mean number of waiting faces per used bucket for a record. Fewer faces would make small blocks.
 constexpr std::size_t kWorthRecording = 64;
 
-/// Returns the records that follow `head` bytes of a result. Returns an empty list for other sizes.
+/// Returns the records after the first `head` bytes of a result. Returns an empty list if the size does not fit.
 template <class Record>
 std::vector<Record> records_in(std::span<const std::byte> result, std::size_t head) {
   if (result.size() < head || (result.size() - head) % sizeof(Record) != 0) return {};
@@ -94,7 +94,7 @@ class FaceSearch {
     return std::string(work) + " " + std::to_string(buckets_) + " " + std::to_string(number);
   }
 
-  /// Takes the outer faces of this rank's buckets that an earlier run compared.
+  /// Restores the outer faces of this rank's buckets that --resume has.
   void restore_buckets() {
     for (std::uint64_t bucket = own_buckets_.first; bucket < own_buckets_.end; ++bucket) {
       const auto result = shared_.store().finished(name_of("bucket", bucket));
@@ -107,8 +107,8 @@ class FaceSearch {
     }
   }
 
-  /// Takes the blocks of faces that an earlier run stored for the runs from `first` on. Returns the end of these runs,
-  /// or `first` if there are none.
+  /// Restores the blocks of faces that --resume has for the runs from `first` on. Returns the end of these runs, or
+  /// `first` if there are none.
   std::uint64_t restore_faces(std::uint64_t first) {
     const auto result = shared_.store().finished(name_of("faces", first));
     std::uint64_t end = 0;
@@ -128,7 +128,7 @@ class FaceSearch {
     record_offset_ = shared_.store().size();
     record_blocks_ = blocks_.size();
   }
-  /// Stores the waiting faces, and records the runs from the last record to `end`.
+  /// Stores the waiting faces. Records the runs since the last record, up to `end`, for --resume.
   std::optional<EncodeError> record_faces(std::uint64_t end) {
     for (std::size_t bucket = 0; bucket < buckets_; ++bucket)
       if (!flush(bucket)) return EncodeError{shared_.store().problem()};
@@ -287,7 +287,7 @@ class FaceSearch {
   qnv::RankShare own_;  // runs that this rank reads
   std::size_t buckets_ = 1, most_waiting_ = 1;
   qnv::RankShare own_buckets_;                        // buckets that this rank compares
-  std::unordered_set<std::uint32_t> compared_;        // buckets that an earlier run compared
+  std::unordered_set<std::uint32_t> compared_;        // buckets that --resume restored
   std::uint64_t record_run_ = 0, record_offset_ = 0;  // first run and first byte of the next record
   std::size_t record_blocks_ = 0;                     // first block of the next record
   std::vector<std::vector<StoredFace>> waiting_;      // by bucket

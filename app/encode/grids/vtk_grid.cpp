@@ -70,7 +70,7 @@ class VtkGrid final : public GridSource {
     return Opening{*this, pieces_[part], file}.arrays();
   }
 
-  /// Returns the title of the shown array in the first piece with this array. Empty for colours, or without the array.
+  /// Returns the title of the shown array in the first piece that has it. Returns an empty title for colours or none.
   [[nodiscard]] std::string title() const {
     const VtkShownArray& shown = files_.shown;
     for (const Piece& piece : pieces_)

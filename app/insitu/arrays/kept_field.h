@@ -67,8 +67,8 @@ class KeptField {
 };
 
 /// Collects chunks of the kept fields of all ranks on rank 0. Collective; all ranks pass equal lists. Entry i of
-/// `kept` belongs to chunk i, or is null. Delivers chunks without values if their entry is null, and all of them if a
-/// rank lacks memory. `deliver` must not throw for a chunk without values. Returns false if the communication failed.
+/// `kept` belongs to chunk i, or is null: such a chunk has no values. If a rank lacks memory, no chunk has values.
+/// `deliver` must not throw for a chunk without values. Returns false if the communication failed.
 [[nodiscard]] bool gather_chunks(Ranks& ranks, std::span<const KeptField* const> kept, std::span<const Chunk> chunks,
                                  const std::function<void(std::size_t number, std::vector<float> values)>& deliver);
 

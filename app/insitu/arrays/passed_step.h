@@ -14,7 +14,7 @@ namespace gs::app::insitu {
 /// Arrays that the caller passed for the open step. The caller keeps them until the step ends.
 class PassedStep {
  public:
-  /// Add arrays. Return the problem if they are invalid; they are then left out.
+  /// Adds arrays. If they are invalid, omits them and returns the problem.
   [[nodiscard]] std::optional<std::string> add(const gs_insitu_block& block);
   [[nodiscard]] std::optional<std::string> add(const gs_insitu_cells& cells);
   [[nodiscard]] std::optional<std::string> add(const gs_insitu_particles& particles);

@@ -131,7 +131,7 @@ void BrickShelf::drop_encoded() {
 
 std::vector<WantedChunk> BrickShelf::take_wanted(std::size_t most) {
   std::vector<WantedChunk> all;
-  all.reserve(most);  // nothing can fail after a chunk counts as sent
+  all.reserve(most);  // no allocation may fail after a chunk counts as sent
   const std::lock_guard lock(mutex_);
   for (auto slot = slots_.rbegin(); slot != slots_.rend(); ++slot)
     while (all.size() < most && !slot->wanted.empty()) {

@@ -27,7 +27,7 @@ constexpr std::size_t kStack = std::size_t{512} << 10;
 constexpr std::chrono::milliseconds kLook{10};
 constexpr int kLooksAtNothing = 100;  // number of looks without a turn before the watcher sleeps
 constexpr std::chrono::seconds kOverdue{2};
-// further time for a program that has had to wait for a processor; below kOverdue
+// additional time for a program that had to wait for a processor; less than kOverdue
 constexpr std::chrono::seconds kWait{1};
 
 /// Function that Engine::on_overdue() sets.
@@ -197,8 +197,8 @@ bool Engine::on_interrupt(JSContext* context) {
   return false;
 }
 
-// Reports whether the turn exceeds its time. A busy machine may run the turn for only a part of that time; this is no
-// fault of the program.
+// Reports whether the turn exceeds its time. On a busy machine, a turn waits for a processor. Up to kWait, this time
+// does not count.
 bool Engine::over_time() const {
   const Clock::duration late = Clock::now() - deadline_.load();
   return late >= kWait || (late >= Clock::duration::zero() && thread_seconds() >= processor_deadline_);

@@ -36,8 +36,8 @@ class Engine : NonCopyable {
   /// Max bytes of one memory block of a program. Suffices for a string of 2^24 characters that grows.
   static constexpr std::size_t kMaxBlock = std::size_t{20} << 20;
 
-  /// Scope in which a program may use the engine, for at most `seconds` and `heap_bytes`. A turn that has had to wait
-  /// for a processor may take up to 1 s longer. Within another turn, the limits of the outer turn apply. `late_message`
+  /// Scope in which a program may use the engine, for at most `seconds` and `heap_bytes`. A turn that had to wait for
+  /// a processor may take up to 1 s longer. Within another turn, the limits of the outer turn apply. `late_message`
   /// must outlive the turn; see on_overdue().
   class Turn : NonCopyable {
    public:

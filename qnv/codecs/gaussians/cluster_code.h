@@ -16,49 +16,107 @@ namespace gs::qnv::gaussians {
 /// Largest number of children of a Gaussian. One child means that the Gaussian stays, and is not coded again.
 inline constexpr std::size_t kMostChildren = 255;
 
+/// Codes the largest scale of a Gaussian.
+template <class Coder>
+void code_scale(Coder& coder, SplatModels& models, const SplatNode& parent, const SplatCode* sibling, SplatCode& code) {
+  const std::size_t leaf = code.leaf ? 1 : 0, beside = sibling ? 1 : 0;
+  const int coarse = code.leaf ? 0 : 1;
+  int expected = parent.scales[0] - kScaleSteps;
+  if (sibling) expected = models.trained ? (sibling->scales[0] + 3 * expected) >> 2 : sibling->scales[0];
+  const int scale = expected >> coarse;
+  TypicalSize& size = models.scale_size[leaf][beside];
+  const int change = models.size[leaf][beside].code(coder, size.size(), (code.scales[0] >> coarse) - scale);
+  size.learn(change);
+  code.scales[0] = std::clamp(scale + change, 0, kMostScale >> coarse) << coarse;
+}
+
+/// Codes the other scales of a Gaussian by their differences.
+template <class Coder>
+void code_gaps(Coder& coder, SplatModels& models, const SplatNode& parent, const SplatCode* sibling, SplatCode& code) {
+  const std::size_t leaf = code.leaf ? 1 : 0;
+  const int coarse = code.leaf ? 0 : 1;
+  for (std::size_t k = 1; k < 3; ++k) {
+    const int inherited = std::max(parent.scales[k - 1] - parent.scales[k], 0);
+    const int beside = sibling ? std::max(sibling->scales[k - 1] - sibling->scales[k], 0) : 0;
+    const auto gap = static_cast<std::uint32_t>((code.scales[k - 1] - code.scales[k]) >> coarse);
+    std::uint32_t coded = 0;
+    if (models.trained) {
+      using Tree = TreeModel<TrainedModels::kContexts>;
+      const int known = sibling ? (inherited + beside) / 2 : inherited;
+      const auto context = std::min<std::size_t>(static_cast<std::size_t>(known) / 6, TrainedModels::kContexts - 1);
+      coded = models.own.gaps[k - 1][leaf].code(coder, context, std::min(gap, Tree::kMost));
+      if (coded == Tree::kMost) coded += models.own.far_gaps[k - 1].code(coder, gap - Tree::kMost);
+    } else {
+      const int known = sibling ? beside : inherited;
+      const int about = static_cast<int>(std::bit_width(static_cast<unsigned>(known) / 4u)) + (sibling ? 1 : 0);
+      coded = models.former.gaps[k - 1][leaf][static_cast<std::size_t>(std::min(about, 5))].code(coder, gap);
+    }
+    const int taken = static_cast<int>(std::min(coded, static_cast<std::uint32_t>(kMostScale))) << coarse;
+    code.scales[k] = std::max(code.scales[k - 1] - taken, 0);
+  }
+}
+
+/// Codes the opacity of a Gaussian.
+template <class Coder>
+void code_opacity(Coder& coder, SplatModels& models, const SplatNode& parent, const SplatCode* sibling,
+                  SplatCode& code) {
+  const std::size_t leaf = code.leaf ? 1 : 0, beside = sibling ? 1 : 0;
+  const int coarse = code.leaf ? 0 : 1;
+  int opacity = 0;
+  if (models.trained) {
+    const int known = sibling ? (sibling->opacity + parent.opacity) / 2 : parent.opacity;
+    opacity = static_cast<int>(models.own.opacity[leaf].code(coder, static_cast<std::size_t>(known) / 8,
+                                                             static_cast<std::uint32_t>(code.opacity) >> coarse));
+  } else {
+    opacity = (sibling ? sibling->opacity : parent.opacity) >> coarse;
+    TypicalSize& size = models.opacity_size[leaf][beside];
+    const int lighter =
+        models.former.opacity[leaf][beside].code(coder, size.size(), (code.opacity >> coarse) - opacity);
+    size.learn(lighter);
+    opacity += lighter;
+  }
+  code.opacity = std::clamp(opacity << coarse | coarse, 1, kMostOpacity);
+}
+
 /// Codes a Gaussian, and returns its shape. With a Writer, `code` is the input; with a Reader, it is the result.
 /// `sibling` is the previous Gaussian with the same parent, or null.
 template <class Coder>
 SplatShape code_splat(Coder& coder, SplatModels& models, const SplatNode& parent, const SplatFrame& frame,
                       const SplatCode* sibling, SplatCode& code, const Precision& precision) {
   code.leaf = coder.bit(models.leaf[sibling ? (sibling->leaf ? 2 : 1) : 0], code.leaf);
-  const std::size_t leaf = code.leaf ? 1 : 0, beside = sibling ? 1 : 0;
-  // Gaussians that will be replaced have half the precision.
-  const int coarse = code.leaf ? 0 : 1;
-  const int scale = (sibling ? sibling->scales[0] : parent.scales[0] - kScaleSteps) >> coarse;
-  TypicalSize& scale_size = models.scale_size[leaf][beside];
-  const int change = models.size[leaf][beside].code(coder, scale_size.size(), (code.scales[0] >> coarse) - scale);
-  scale_size.learn(change);
-  code.scales[0] = std::clamp(scale + change, 0, kMostScale >> coarse) << coarse;
-  for (std::size_t k = 1; k < 3; ++k) {
-    const int known = sibling ? sibling->scales[k - 1] - sibling->scales[k] : parent.scales[k - 1] - parent.scales[k];
-    const auto about = static_cast<std::size_t>(std::min(
-        static_cast<int>(std::bit_width(static_cast<unsigned>(std::max(known, 0)) / 4u)) + (sibling ? 1 : 0), 5));
-    const int gap = static_cast<int>(models.gaps[k - 1][leaf][about].code(
-        coder, static_cast<std::uint32_t>((code.scales[k - 1] - code.scales[k]) >> coarse)));
-    code.scales[k] = std::max(code.scales[k - 1] - (std::min(gap, kMostScale) << coarse), 0);
-  }
-  const int opacity = (sibling ? sibling->opacity : parent.opacity) >> coarse;
-  TypicalSize& opacity_size = models.opacity_size[leaf][beside];
-  const int lighter = models.opacity[leaf][beside].code(coder, opacity_size.size(), (code.opacity >> coarse) - opacity);
-  opacity_size.learn(lighter);
-  code.opacity = std::clamp((opacity + lighter) << coarse | coarse, 1, kMostOpacity);
+  const std::size_t leaf = code.leaf ? 1 : 0;
+  code_scale(coder, models, parent, sibling, code);
+  code_gaps(coder, models, parent, sibling, code);
+  code_opacity(coder, models, parent, sibling, code);
+  if (code.leaf && precision.fine > 0)
+    for (int& part : code.fine) part = static_cast<int>(coder.bits(static_cast<std::uint32_t>(part), precision.fine));
+  else
+    code.fine = {};
 
   const SplatSteps steps = steps_of(code, precision);
-  for (std::size_t k = 0; k < 3; ++k)
-    code.turn[k] = std::clamp(models.turn[leaf][k].code(coder, size_of(0.25 / steps.turn[k]), code.turn[k]), -kMostTurn,
-                              kMostTurn);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const int size = size_of(0.25 / steps.turn[k]);
+    const int turn = models.trained ? models.turn[leaf][k].code_shared(coder, size, code.turn[k])
+                                    : models.turn[leaf][k].code(coder, size, code.turn[k]);
+    code.turn[k] = std::clamp(turn, -kMostTurn, kMostTurn);
+  }
   const glm::vec4 rotation = turned(parent.rotation, code.turn, steps.turn);
   const SplatAxes axes = axes_of(rotation);
   const auto spread = place_spread(frame, axes, steps);
-  for (std::size_t k = 0; k < 3; ++k)
-    code.place[k] =
-        std::clamp(models.place[leaf].code(coder, size_of(spread[k]), code.place[k]), -kMostPlace, kMostPlace);
   for (std::size_t k = 0; k < 3; ++k) {
-    TypicalSize& color_size = models.color_size[leaf][k];
-    code.color[k] =
-        std::clamp(models.color[leaf][k].code(coder, color_size.size(), code.color[k]), -kMostColor, kMostColor);
-    color_size.learn(code.color[k]);
+    const int size = size_of(spread[k]);
+    const int place = models.trained ? models.own.place[code.leaf ? 1 + k : 0].code_shared(coder, size, code.place[k])
+                                     : models.former.place[leaf].code(coder, size, code.place[k]);
+    code.place[k] = std::clamp(place, -kMostPlace, kMostPlace);
+  }
+  int louder = 0;  // change of the size by the previous components
+  for (std::size_t k = 0; k < 3; ++k) {
+    TypicalSize& size = models.color_size[leaf][k];
+    const int color = models.trained ? models.color[leaf][k].code_shared(coder, size.size() + louder, code.color[k])
+                                     : models.color[leaf][k].code(coder, size.size(), code.color[k]);
+    code.color[k] = std::clamp(color, -kMostColor, kMostColor);
+    if (models.trained) louder = size.compare(code.color[k]);
+    size.learn(code.color[k]);
   }
   return {steps, rotation, axes};
 }

@@ -10,9 +10,6 @@
 
 namespace gs::qnv::gaussians {
 
-/// Step of coefficients, relative to that of the colour of the same Gaussian.
-inline constexpr double kHarmonicStep = 2;
-
 /// Models of the harmonics in one chunk.
 struct HarmonicModels {
   BitModel any;
@@ -48,7 +45,7 @@ bool code_harmonics(Coder& coder, HarmonicModels& models, int degree,
   code.leaf = node.leaf;
   for (std::size_t k = 0; k < 3; ++k) code.scales[k] = node.scales[k];
   code.opacity = node.opacity;
-  return kHarmonicStep * steps_of(code, precision).color;
+  return harmonic_factor(precision.trained) * steps_of(code, precision).color;
 }
 
 }  // namespace gs::qnv::gaussians

@@ -10,12 +10,20 @@ namespace gs::qnv::gaussians {
 namespace {
 
 // Steps of the most important Gaussians: places in standard deviations, turns of lines twice as long as wide, colours.
-constexpr double kPlaceStep = 0.1, kTurnStep = 0.18, kColorStep = 1.0 / 128;
-// Factor of the steps of Gaussians that children replace.
-constexpr double kInnerFactor = 3;
-// Largest factors of the steps of less important Gaussians: of colours in eighths of an octave; of places and turns.
-constexpr int kMostColorFactor = 2 * kScaleSteps;
+constexpr double kPlaceStep = 0.1, kTurnStep = 0.18;
+// Largest factor of the steps of places and turns of less important Gaussians.
 constexpr double kMostPlaceFactor = 2;
+/// Steps that differ between the codings.
+struct CodingSteps {
+  double color;      // of the most important Gaussians
+  int most_less;     // log2 of the largest factor of the steps of colours of less important ones, in eighths
+  double inner;      // factor of the steps of Gaussians that children replace
+  double harmonics;  // step of harmonics, relative to that of the colour
+};
+constexpr CodingSteps kUntrainedSteps{1.0 / 128, 2 * kScaleSteps, 3, 2};
+constexpr CodingSteps kTrainedSteps{1.0 / 90, kScaleSteps, 4, 1.4};
+constexpr const CodingSteps& coding_steps(bool trained) { return trained ? kTrainedSteps : kUntrainedSteps; }
+
 // Thin axes count as having an eighth of the largest deviation.
 constexpr int kThinScales = 3 * kScaleSteps;
 constexpr double kLeastTurnStep = 0.01, kMostTurnStep = 0.35;
@@ -48,6 +56,15 @@ constexpr std::array<double, count> powers_from(int first) {
 }
 constexpr auto kScales = powers_from<kMostScale + 1>(kLeastOctave * kScaleSteps);
 
+/// Returns the middle of a part of a step. A step reaches from -0.5 to 0.5, and has 2^bits parts.
+double offset_of(int part, int bits) { return (part + 0.5) / (1 << bits) - 0.5; }
+
+/// Returns the part of a step that contains an offset.
+int part_of(double offset, int bits) {
+  const int parts = 1 << bits;
+  return static_cast<int>(std::clamp(std::floor((offset + 0.5) * parts), 0.0, static_cast<double>(parts - 1)));
+}
+
 /// Divisors of the steps of turns, by the ratio of the scales in the plane of the turn, in eighths of an octave.
 constexpr int kMostRatio = 40;
 constexpr auto kTurnDivisors = [] {
@@ -71,14 +88,17 @@ constexpr auto kFaint = [] {
 
 }  // namespace
 
-SplatErrors splat_errors(int steps) {
+SplatErrors splat_errors(int steps, bool trained, int fine) {
+  const CodingSteps& coding = coding_steps(trained);
   // The three components of a colour add up.
-  const double color = 1.5 * kColorStep * power_of(steps), place = kPlaceStep / 2 * power_of(steps);
+  const double color = 1.5 * coding.color * power_of(steps), place = kPlaceStep / 2 * power_of(steps);
   return {{place, place * kMostPlaceFactor},
-          {color, color * power_of(kMostColorFactor)},
-          std::sqrt(power_of(1)) - 1,
-          1.0 / kMostOpacity};  // of splats below half a step, which keep the least opacity
+          {color, color * power_of(coding.most_less)},
+          std::exp2(0.5 / (kScaleSteps << fine)) - 1,
+          1.0 / (kMostOpacity << fine)};  // of splats below half a step, which keep the least opacity
 }
+
+double harmonic_factor(bool trained) { return coding_steps(trained).harmonics; }
 
 double scale_of(int code) { return kScales[static_cast<std::size_t>(code)]; }
 
@@ -87,6 +107,24 @@ int scale_code(double scale) {
   const double steps = (std::log2(scale) - kLeastOctave) * kScaleSteps;
   return static_cast<int>(std::clamp(std::nearbyint(steps), 0.0, static_cast<double>(kMostScale)));
 }
+
+int fine_bits(int steps) { return std::clamp((kScaleSteps / 2 - steps) / kScaleSteps, 0, GaussianCoding::kMostFine); }
+
+double scale_of(const SplatNode& node, std::size_t axis, int bits) {
+  const double scale = scale_of(node.scales[axis]);
+  return node.leaf && bits > 0 ? scale * std::exp2(offset_of(node.fine[axis], bits) / kScaleSteps) : scale;
+}
+
+double opacity_of(const SplatNode& node, int bits) {
+  const double code = node.opacity + (node.leaf && bits > 0 ? offset_of(node.fine[3], bits) : 0);
+  return std::min(code / kMostOpacity, 1.0);
+}
+
+int fine_scale(double scale, int code, int bits) {
+  return scale > 0 ? part_of((std::log2(scale) - kLeastOctave) * kScaleSteps - code, bits) : 0;
+}
+
+int fine_opacity(double opacity, int code, int bits) { return part_of(opacity * kMostOpacity - code, bits); }
 
 double opacity_of(int code) { return static_cast<double>(code) / kMostOpacity; }
 
@@ -101,8 +139,9 @@ int importance(const std::array<int, 3>& scales, int opacity) {
 SplatSteps steps_of(const SplatCode& code, const Precision& precision) {
   SplatSteps steps{};
   const int less = (precision.important - importance(code.scales, code.opacity)) / 2;
-  const double factor = power_of(std::clamp(less, 0, kMostColorFactor));
-  const double inner = (code.leaf ? 1 : kInnerFactor) * power_of(precision.steps);
+  const CodingSteps& coding = coding_steps(precision.trained);
+  const double factor = power_of(std::clamp(less, 0, coding.most_less));
+  const double inner = (code.leaf ? 1 : coding.inner) * power_of(precision.steps);
   const double fine = inner * std::min(factor, kMostPlaceFactor);
   for (std::size_t k = 0; k < 3; ++k) {
     const int scale = std::max({code.scales[k], code.scales[0] - kThinScales, precision.finest});
@@ -113,7 +152,7 @@ SplatSteps steps_of(const SplatCode& code, const Precision& precision) {
     steps.turn[k] =
         std::clamp(kTurnStep * fine / kTurnDivisors[static_cast<std::size_t>(ratio)], kLeastTurnStep, kMostTurnStep);
   }
-  steps.color = kColorStep * inner * factor;
+  steps.color = coding.color * inner * factor;
   return steps;
 }
 
@@ -184,6 +223,7 @@ SplatNode node_of(const SplatNode& parent, const SplatCode& code, const SplatSha
   for (std::size_t k = 0; k < 3; ++k) node.scales[k] = static_cast<std::int16_t>(code.scales[k]);
   node.opacity = static_cast<std::uint8_t>(code.opacity);
   node.leaf = code.leaf;
+  for (std::size_t k = 0; k < 4; ++k) node.fine[k] = static_cast<std::uint8_t>(code.fine[k]);
   const glm::dvec3 change = rgb_of(code.color, shape.steps.color);
   for (int i = 0; i < 3; ++i) node.color[i] = static_cast<float>(parent.color[i] + change[i]);
   return node;

@@ -25,10 +25,12 @@ inline constexpr std::int32_t kMostPlace = 1 << 24, kMostColor = 1 << 14, kMostT
 
 /// Properties of a stream that decide the steps.
 struct Precision {
-  int important = 0;  // importance() of the Gaussians with the finest steps
-  int finest = 0;     // scale below which details count as points
-  int steps = 0;      // log2 of a factor of all steps, in eighths
-  Box box;            // of all positions
+  int important = 0;     // importance() of the Gaussians with the finest steps
+  int finest = 0;        // scale below which details count as points
+  int steps = 0;         // log2 of a factor of all steps, in eighths
+  Box box;               // of all positions
+  bool trained = false;  // as GaussianCoding::trained
+  int fine = 0;          // as GaussianCoding::fine
 };
 
 /// Decoded Gaussian of a cluster.
@@ -37,7 +39,8 @@ struct SplatNode {
   glm::vec4 rotation{0, 0, 0, 1};
   std::array<std::int16_t, 3> scales{};  // largest first
   std::uint8_t opacity = 0;
-  bool leaf = false;  // final; else children replace it
+  bool leaf = false;                   // final; else children replace it
+  std::array<std::uint8_t, 4> fine{};  // of a leaf: places of the scales and the opacity in their steps
   glm::vec3 color{0};
 };
 
@@ -46,6 +49,7 @@ struct SplatCode {
   bool leaf = false;
   std::array<int, 3> scales{};  // as in SplatNode
   int opacity = 0;
+  std::array<int, 4> fine{};  // as in SplatNode
   std::array<int, 3> turn{}, place{}, color{};
 };
 
@@ -78,10 +82,21 @@ struct SplatErrors {
   std::array<double, 2> place, color;
   double scale, opacity;
 };
-[[nodiscard]] SplatErrors splat_errors(int steps = 0);
+[[nodiscard]] SplatErrors splat_errors(int steps = 0, bool trained = true, int fine = 0);
+/// Returns the number of fine bits for such steps.
+[[nodiscard]] int fine_bits(int steps);
+
+/// Returns the step of harmonics, relative to that of the colour of the same Gaussian.
+[[nodiscard]] double harmonic_factor(bool trained);
 
 [[nodiscard]] double scale_of(int code);
 [[nodiscard]] double opacity_of(int code);
+/// Return the scale of an axis and the opacity of a Gaussian with `bits` fine bits.
+[[nodiscard]] double scale_of(const SplatNode& node, std::size_t axis, int bits);
+[[nodiscard]] double opacity_of(const SplatNode& node, int bits);
+/// Return the fine bits of values with a known code.
+[[nodiscard]] int fine_scale(double scale, int code, int bits);
+[[nodiscard]] int fine_opacity(double opacity, int code, int bits);
 /// Returns the code with the nearest value.
 [[nodiscard]] int scale_code(double scale);
 [[nodiscard]] int opacity_code(double opacity);

@@ -58,6 +58,7 @@ struct EncodeOptions {
   const TexturedSurface* textured = nullptr;  // displaced: source of the exact tail, or null; must outlive the call
   ValueTolerance tolerance;                   // values
   int splat_steps = 0;                        // gaussians: log2 of a factor of the errors, in eighths; -32 to 32
+  bool fitted = true;                         // gaussians: fits merged Gaussians to pictures, half of the time
   std::size_t part_splats = 0;                // gaussians: maximum number in one tree; 0 means the default
   std::size_t memory = 0;                     // gaussians: bytes for parts that are encoded at the same time; 0 means
                                               // the default. The stream does not depend on it

@@ -140,7 +140,7 @@ TEST_CASE("in situ: a rank that lacks memory for messages does not block the oth
     }
 }
 
-/// Requests a chunk that rank 1 has, while the work `part` of rank `failing` throws once. Returns the status.
+/// Requests a chunk of rank 1 while the work `part` of rank `failing` throws once. Returns the HTTP status.
 int status_after_fault(std::string_view part, int failing, bool& threw) {
   const ScratchFolder scratch;
   std::atomic<bool> requested{false}, thrown{false}, done{false};

@@ -22,7 +22,7 @@ std::function<double(std::size_t)> pixels(double seconds) {
   };
 }
 
-/// Scene of Gaussians, with a time per picture and one per drawn Gaussian. Coarser levels are optional.
+/// Scene of Gaussians, with seconds per picture and seconds per drawn Gaussian. Coarser Gaussians are optional.
 struct GaussianScene {
   double picture, each;
   std::size_t all;
@@ -137,7 +137,7 @@ TEST_CASE("keeps the number of Gaussians during fades, and reduces the resolutio
   for (int i = 0; i < 5; ++i) detail.note(level, false, 0.2, 1'000'000);
   CHECK(detail.level(true) == level);
   CHECK(detail.most_gaussians(level) == most);
-  // Without fewer Gaussians, the first pictures of a coarser level may be as slow as those before.
+  // Until fewer Gaussians are drawn, the first pictures of a coarser level may be as slow as the pictures before.
   PictureDetail stays;
   for (int i = 0; i < 3; ++i) stays.note(0, false, 0.15, 2'000'000);
   REQUIRE(stays.level(true) == 1);
@@ -148,7 +148,7 @@ TEST_CASE("keeps the number of Gaussians during fades, and reduces the resolutio
   const GaussianScene scene{0.02, 500e-9, 1'000'000, false};
   for (int i = 0; i < 100; ++i) scene.draw(slow);
   CHECK(slow.most_gaussians(1) == PictureDetail::kFirstGaussians);
-  // Few Gaussians are never fewer than the minimum.
+  // The number of Gaussians never falls below the minimum.
   PictureDetail few;
   for (int i = 0; i < 100; ++i) GaussianScene{0.5, 1e-6, 200'000}.draw(few);
   CHECK(few.most_gaussians(1) == PictureDetail::kFewestGaussians);

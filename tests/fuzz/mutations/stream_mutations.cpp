@@ -2,8 +2,8 @@
 // (*.qnv) in the folders, and passes each to the targets of qnv. A seed and a number always give the same mutation.
 // stream_mutator.h describes the mutations.
 //
-// It writes each input to the file KEPT, and its number to the file NUMBER, before the input is read. If the program
-// ends, these files name the cause. It prints one line per thousand inputs, and a table at the end.
+// It writes each input to the file KEPT, and its number to the file NUMBER, before it passes the input on. If a target
+// ends the program, these files have the cause. It prints one line per thousand inputs, and a table at the end.
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/mutations/stream_mutator.h"
 
@@ -31,7 +31,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kMaxSeconds = 10;     // maximum processor seconds for one input
-constexpr double kLongSeconds = 1;  // longer inputs are reported
+constexpr double kLongSeconds = 1;  // inputs that take longer are reported
 // Smaller streams are mutated kSmallTurns times as often, because larger ones take about five times as long.
 constexpr std::size_t kSmallBytes = 7168, kSmallTurns = 6;
 
@@ -63,7 +63,7 @@ void keep(int file, const Bytes& bytes) {
 double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 struct Count {
-  std::size_t inputs = 0, taken = 0;  // taken: at least the header was valid
+  std::size_t inputs = 0, taken = 0;  // `taken` counts inputs with a valid header
   double seconds = 0, longest = 0;
 };
 
@@ -97,7 +97,7 @@ int run(std::size_t count, std::uint64_t seed, std::size_t first, const char* ke
     const itimerval limit{{0, 0}, {kMaxSeconds, 0}};
     setitimer(ITIMER_PROF, &limit, nullptr);
     const double before = processor_seconds();
-    // The first target decodes everything. Only one of the other targets runs; they draw parts.
+    // The first target decodes everything. The other targets draw parts, and only one of them runs.
     const bool taken = targets.front().run(std::as_bytes(std::span(bytes)));
     if (targets.size() > 1) (void)targets[1 + i % (targets.size() - 1)].run(std::as_bytes(std::span(bytes)));
     Count& done = counts[stream.name];

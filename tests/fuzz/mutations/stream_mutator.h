@@ -12,7 +12,7 @@ namespace gs::fuzz {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// Maximum bytes of a mutation. Longer ones are slower and find no more faults.
+/// Maximum bytes of a mutation. Longer mutations are slower and find no more faults.
 inline constexpr std::size_t kMaxMutationBytes = 24576;
 
 /// Section of the header, or chunk: its kind and its bytes.
@@ -31,15 +31,15 @@ struct SeedStream {
 /// Splits a stream into parts. If the stream is invalid, follows its lengths as far as possible.
 [[nodiscard]] SeedStream parts_of(const Bytes& bytes, std::string name);
 
-/// Mutates streams. Changes, inserts, deletes and repeats bytes of one section or payload. Repeats, moves, drops and
+/// Mutator of streams. Changes, inserts, deletes and repeats bytes of one section or payload. Repeats, moves, drops and
 /// swaps chunks. Takes chunks and halves of payloads from other streams, and forges lengths. Corrects the checksums of
-/// seven in eight mutations; then damages one payload in four of these, which parity can restore.
+/// seven in eight mutations. Then damages one payload of every fourth such mutation, which parity can restore.
 class Mutator {
  public:
   using ChangeBytes = std::function<void(Bytes&)>;
 
-  /// `streams` must outlive this object. `change_bytes` changes the bytes of one section or payload; null means own
-  /// changes. The seed determines all own changes.
+  /// `streams` must outlive this object. `change_bytes` makes three in four changes of bytes. If it is null, the
+  /// mutator makes all changes. The seed determines the changes of the mutator.
   Mutator(const std::vector<SeedStream>& streams, std::uint64_t seed, ChangeBytes change_bytes = nullptr)
       : streams_(streams), random_(seed), other_change_(std::move(change_bytes)) {}
 

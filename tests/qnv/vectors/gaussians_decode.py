@@ -4,6 +4,8 @@ cluster: scales, opacity, leaf, and the bits of the f32 numbers of rotation, pos
     python3 gaussians_decode.py STREAM
 """
 import math
+import pathlib
+import re
 import struct
 import sys
 
@@ -35,8 +37,8 @@ def halves(x):
 
 
 class Model:
-    def __init__(self):
-        self.p, self.n = 32768, 0
+    def __init__(self, prior=0):
+        self.p, self.n = (prior << 8, 20) if prior else (32768, 0)
 
 
 class Range:
@@ -71,11 +73,38 @@ class Range:
         return value
 
 
+def short_names(steps, *key):
+    return [key + ("S", i) for i in range(steps)] + [key + ("Z", i) for i in range(8)]
+
+
+def signed_names(*key):
+    return [name for size in range(10) for name in short_names(10, *key, size)] + [key + (i, "sign") for i in range(10)]
+
+
+def tree_names(*key):
+    return [key + ("high", c, i) for c in range(8) for i in range(15)] + [key + ("low", t, i) for t in range(16) for i in range(3)]
+
+
+def table_of_priors():
+    """Reads the table of trained models. Returns probabilities by name."""
+    names = short_names(16, "children") + [("leaf", i) for i in range(3)]
+    for kind in ("size", "turn", "color"):
+        names += [name for one in range(2) for k in range(2 if kind == "size" else 3) for name in signed_names(kind, one, k)]
+    names += [name for axis in (1, 2) for one in range(2) for name in tree_names("gap", axis, one)]
+    names += [name for axis in (1, 2) for name in short_names(8, "far", axis)]
+    names += [name for one in range(2) for name in tree_names("opacity", one)]
+    names += [name for which in range(4) for name in signed_names("place", which)]
+    text = (pathlib.Path(__file__).parents[3] / "qnv/codecs/gaussians/splat_priors.inc").read_text()
+    numbers = [int(word) for word in re.findall("[0-9]+", text)]
+    assert len(numbers) == len(names)
+    return dict(zip(names, numbers))
+
+
 class Models:
     """Models and means by name, made when first used."""
 
-    def __init__(self, other=None):
-        self.models, self.means = {}, {}
+    def __init__(self, other=None, priors=None):
+        self.models, self.means, self.priors = {}, {}, other.priors if other else priors
         if other:
             for key, model in other.models.items():
                 self.models[key] = Model()
@@ -83,7 +112,9 @@ class Models:
             self.means = dict(other.means)
 
     def __getitem__(self, key):
-        return self.models.setdefault(key, Model())
+        if key not in self.models:
+            self.models[key] = Model(self.priors[key] if self.priors else 0)
+        return self.models[key]
 
     def short(self, coder, steps, *key):
         for i in range(steps):
@@ -94,8 +125,19 @@ class Models:
             z += 1
         return (1 << z | coder.bits(z)) - 1 + steps
 
+    def tree(self, coder, context, *key):
+        node = 1
+        for _ in range(4):
+            node = node << 1 | coder.yes(self[key + ("high", context, node - 1)])
+        top, node = node - 16, 1
+        for _ in range(2):
+            node = node << 1 | coder.yes(self[key + ("low", top, node - 1)])
+        return top << 2 | node - 4
+
     def signed(self, coder, sizes, u, *key):
         size = clamp(u, 0, sizes - 1)
+        if self.priors and u >= sizes and key[0] != "size":
+            size = sizes - 2 + (u - sizes) % 2
         low = clamp(int((u - 2) / 2) - 2, 0, 24)
         value = self.short(coder, 10, *key, size) << low
         if low:
@@ -104,9 +146,9 @@ class Models:
             return -value
         return value
 
-    def signed_by_mean(self, coder, sizes, *key):
+    def signed_by_mean(self, coder, sizes, *key, more=0):
         mean = self.means.get(key, 64)
-        value = self.signed(coder, sizes, (mean * mean).bit_length() - 7, *key)
+        value = self.signed(coder, sizes, (mean * mean).bit_length() - 7 + more, *key)
         self.means[key] = max(1, mean + int((16 * min(abs(value), 2047) - mean) / 8))
         return value
 
@@ -119,8 +161,8 @@ def importance(s, a):
 
 
 def steps_of(s, a, leaf, header):
-    z = clamp(int((header["important"] - importance(s, a)) / 2), 0, 16)
-    f, n = power(z), (1 if leaf else 3) * power(header["steps"])
+    z = clamp(int((header["important"] - importance(s, a)) / 2), 0, header["less"])
+    f, n = power(z), (1 if leaf else header["inner"]) * power(header["steps"])
     fine = n * min(f, 2.0)
     place, turn = [], []
     for k in range(3):
@@ -128,7 +170,7 @@ def steps_of(s, a, leaf, header):
         u, w = sorted((s[(k + 1) % 3], s[(k + 2) % 3]), reverse=True)
         r = power(clamp(u - max(w, header["finest"]), 0, 40))
         turn.append(clamp(0.18 * fine / (r - 1 / r + 0.05), 0.01, 0.35))
-    return place, turn, 1.0 / 128 * n * f
+    return place, turn, header["color"] * n * f
 
 
 def turned(p, t, steps):
@@ -158,14 +200,31 @@ def child(coder, models, p, b, header):
     h = 1 if b else 0
     leaf = coder.yes(models["leaf", (2 if b["leaf"] else 1) if b else 0])
     one, c = (1, 0) if leaf else (0, 1)
-    v = b["s"][0] if b else p["s"][0] - 8
+    trained = header["trained"]
+    v = p["s"][0] - 8
+    if b:
+        v = (b["s"][0] + 3 * v) >> 2 if trained else b["s"][0]
     s = [clamp((v >> c) + models.signed_by_mean(coder, 10, "size", one, h), 0, 639 >> c) << c]
     for k in (1, 2):
         g = (b or p)["s"][k - 1] - (b or p)["s"][k]
-        i = min(5, (max(g, 0) >> 2).bit_length() + h)
-        s.append(max(0, s[k - 1] - (min(models.short(coder, 20, "gap", k, one, i), 639) << c)))
-    v = (b or p)["a"]
-    a = clamp(((v >> c) + models.signed_by_mean(coder, 8, "opacity", one, h)) << c | c, 1, 63)
+        if trained:
+            inherited = max(p["s"][k - 1] - p["s"][k], 0)
+            mean = (inherited + max(g, 0)) // 2 if b else inherited
+            gap = models.tree(coder, min(mean // 6, 7), "gap", k, one)
+            if gap == 63:
+                gap += models.short(coder, 8, "far", k)
+        else:
+            i = min(5, (max(g, 0) >> 2).bit_length() + h)
+            gap = models.short(coder, 20, "gap", k, one, i)
+        s.append(max(0, s[k - 1] - (min(gap, 639) << c)))
+    if trained:
+        mean = (b["a"] + p["a"]) // 2 if b else p["a"]
+        v = models.tree(coder, mean // 8, "opacity", one)
+    else:
+        v = ((b or p)["a"] >> c) + models.signed_by_mean(coder, 8, "opacity", one, h)
+    a = clamp(v << c | c, 1, 63)
+    for _ in range(4 if leaf else 0):
+        coder.bits(header["fine"])  # the output has only codes
     place_step, turn_step, color_step = steps_of(s, a, leaf, header)
     t = [clamp(models.signed(coder, 10, halves(0.25 / turn_step[k]), "turn", one, k), -255, 255) for k in range(3)]
     rotation = turned(p["rotation"], t, turn_step)
@@ -177,8 +236,18 @@ def child(coder, models, p, b, header):
             along = (own[k][0] * frame[j][0] + own[k][1] * frame[j][1] + own[k][2] * frame[j][2]) * power(p["s"][j] - 320)
             variance += along * along
         spread = math.sqrt(variance) / place_step[k]
-        d.append(clamp(models.signed(coder, 20, halves(spread), "place", one), -(1 << 24), 1 << 24))
-    q = [clamp(models.signed_by_mean(coder, 10, "color", one, k), -(1 << 14), 1 << 14) for k in range(3)]
+        if trained:
+            number = models.signed(coder, 10, halves(spread), "place", 1 + k if leaf else 0)
+        else:
+            number = models.signed(coder, 20, halves(spread), "place", one)
+        d.append(clamp(number, -(1 << 24), 1 << 24))
+    q, more = [], 0
+    for k in range(3):
+        mean = models.means.get(("color", one, k), 64)
+        q.append(clamp(models.signed_by_mean(coder, 10, "color", one, k, more=more), -(1 << 14), 1 << 14))
+        if trained:
+            magnitude = 16 * min(abs(q[k]), 2047)
+            more = 1 if magnitude > 2 * mean else -1 if 2 * magnitude < mean else 0
     position = []
     for i in range(3):
         at = p["position"][i]
@@ -212,8 +281,13 @@ def main():
     while at + 6 <= size:
         tag, length = struct.unpack_from("<HI", data, at)
         if tag == 10:
-            header["important"], header["finest"], header["degree"], _, header["steps"] = struct.unpack_from("<hhBBb", data, at + 6)
+            header["important"], header["finest"], degree, flags, header["steps"] = struct.unpack_from("<hhBBb", data, at + 6)
+            header["degree"], header["trained"] = degree & 15, degree >> 4
+            header["fine"] = flags >> 4 if header["trained"] else 0
         at += 6 + length
+    header["color"], header["less"], header["inner"], header["harmonic"] = \
+        (1.0 / 90, 8, 4, 1.4) if header["trained"] else (1.0 / 128, 16, 3, 2)
+    priors = table_of_priors() if header["trained"] else None
     edge = max(f32(b - a) for a, b in zip(lower, upper))
     scale = clamp(round(8 * (math.log2(f32(edge / 4)) + 40)), 0, 639)
     root = {"s": [scale] * 3, "a": 63, "leaf": False, "rotation": [0.0, 0.0, 0.0, 1.0],
@@ -224,7 +298,7 @@ def main():
             (name, parent, first, count, _), rest = numbers(payload, 5)
             before = clusters[parent - 1] if parent else None
             covered = before["nodes"][first:first + count] if before else [root]
-            coder, models, nodes = Range(rest), Models(before and before["models"]), []
+            coder, models, nodes = Range(rest), Models(before and before["models"], priors), []
             origins, unchanged = [], []  # indexes in the parent; whether a Gaussian is its parent
             for i, p in enumerate(covered):
                 if p["leaf"]:
@@ -251,7 +325,7 @@ def main():
             coder, models = Range(rest), Models()
             for i in range(first, first + count):
                 node = cluster["nodes"][chosen[i]]
-                step = 2 * steps_of(node["s"], node["a"], node["leaf"], header)[2]
+                step = header["harmonic"] * steps_of(node["s"], node["a"], node["leaf"], header)[2]
                 own = []
                 some = coder.yes(models["any"])
                 for k in range(per):

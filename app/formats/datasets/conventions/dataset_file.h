@@ -31,7 +31,7 @@ class DatasetFile {
   [[nodiscard]] virtual std::optional<GridRows> grid(std::size_t /*entry*/, const VoxelComponent& /*choice*/) {
     return std::nullopt;
   }
-  /// Returns the file that has the arrays of grid(). Null for files without grids.
+  /// Returns the file with the arrays that grid() names. Returns null if the format has no grids.
   [[nodiscard]] virtual std::shared_ptr<ArrayFile> arrays() const { return nullptr; }
 };
 

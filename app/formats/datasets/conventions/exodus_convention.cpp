@@ -55,7 +55,7 @@ const ExodusElement* block_element(DatasetTree& tree, const ArrayInfo& connectio
   return element != std::end(kExodusElements) && shape.size() == 2 && shape[1] >= element->corners ? element : nullptr;
 }
 
-/// Returns the array of a variable: at nodes, or in an element block.
+/// Returns the path of the array of a variable: at nodes, or in an element block.
 std::string variable_path(const DatasetTree& tree, const ExodusVariable& variable, std::size_t block) {
   const std::string separate = variable.of_nodes ? numbered("/vals_nod_var", variable.number)
                                                  : numbered(numbered("/vals_elem_var", variable.number) + "eb", block);
@@ -68,7 +68,7 @@ std::optional<ExodusVariable> variable_of(DatasetTree& tree, const DatasetEntry&
   return std::nullopt;
 }
 
-/// Returns the rows of a variable in a step. Returns no rows if the file lacks them.
+/// Returns the rows of a variable in a step. Returns empty rows if the file lacks them.
 ArrayRows variable_rows(const DatasetTree& tree, const ExodusVariable& variable, std::size_t block, std::uint64_t step,
                         std::uint64_t rows) {
   const std::string path = variable_path(tree, variable, block);
@@ -80,7 +80,7 @@ ArrayRows variable_rows(const DatasetTree& tree, const ExodusVariable& variable,
              : ArrayRows();
 }
 
-/// Returns the rows of the coordinates: an array of all axes, or an array of each axis.
+/// Returns the rows of the coordinates, one entry per axis, from one array of all axes or an array per axis.
 std::vector<ArrayRows> coordinate_rows(const DatasetTree& tree) {
   std::vector<ArrayRows> axes;
   if (const ArrayInfo* const all = tree.find("/coord")) {

@@ -9,10 +9,10 @@ namespace gs::app {
 
 /// Consecutive rows of an array in a file of datasets.
 struct ArrayRows {
-  std::string path;                   // empty if there are none
+  std::string path;                   // empty means no rows
   std::vector<std::uint64_t> before;  // indices on the axes before the axis of the rows
   std::uint64_t first = 0, rows = 0;  // on that axis
-  std::size_t columns = 1;            // numbers of a row, from its first one on; others are not used
+  std::size_t columns = 1;            // count of numbers to use from the start of each row
   double base = 0;                    // subtracted from each number
 
   [[nodiscard]] bool empty() const { return path.empty(); }
@@ -22,7 +22,7 @@ struct ArrayRows {
 struct GridPartRows {
   std::uint64_t points = 0, cells = 0;
   std::uint32_t space = 0;        // parts with equal numbers have the same points
-  std::vector<ArrayRows> places;  // one array with three columns, or an array of each axis
+  std::vector<ArrayRows> places;  // one array with three columns, or one array per axis
   // Types, ends and corners of the cells as in VTK, or `element` and rows of corners if all cells have one type.
   ArrayRows types, ends, corners;
   std::uint8_t element = 0;

@@ -13,7 +13,7 @@ constexpr double kMostVtkhdfRows = 1e15;  // exact in a double
 // Maximum number of parts that are read in parts. Each takes about 1 KB, and two small reads of the file.
 constexpr std::size_t kMostVtkhdfParts = std::size_t{1} << 17;
 
-/// Rows of the parts of an unstructured grid.
+/// Finder of the rows of the parts of an unstructured grid.
 class VtkhdfRows {
  public:
   VtkhdfRows(DatasetTree& tree, std::string shown, const VoxelComponent& choice)
@@ -84,12 +84,12 @@ class VtkhdfRows {
     return numbers && std::ranges::all_of(*numbers, possible) ? std::move(*numbers) : std::vector<double>();
   }
 
-  /// Finds the offsets of a part, of which there is one more than cells.
+  /// Returns the ends of a part's cells: its offsets after the first one, which is 0. Returns nullopt on failure.
   std::optional<ArrayRows> ends_of(double first, double cells, double ids) {
     const char* const path = "/VTKHDF/Offsets";
     const ArrayInfo* const array = tree_.find(path);
     if (!array || array->shape.empty()) return std::nullopt;
-    // Some writers count the additional offsets of earlier steps, too.
+    // Some writers also count the additional offset of each part of earlier steps.
     for (const double more : {0.0, step_.part()}) {
       if (first + more + cells + 1 > static_cast<double>(array->shape[0])) continue;
       const auto begin = number_at(path, row(first + more)), end = number_at(path, row(first + more + cells));

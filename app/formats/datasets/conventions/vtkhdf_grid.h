@@ -16,16 +16,16 @@ namespace gs::app {
 inline constexpr std::string_view kVtkhdfPointData = "/VTKHDF/PointData", kVtkhdfCellData = "/VTKHDF/CellData";
 inline constexpr const char* kVtkhdfRoot = "/VTKHDF";
 
-/// Returns the type that a file states, such as "UnstructuredGrid". Returns an empty text for other files.
+/// Returns the type of a file, such as "UnstructuredGrid". Early files do not state it. Other files give an empty text.
 [[nodiscard]] std::string vtkhdf_type(DatasetTree& tree);
 /// Reports whether an array is directly in a folder.
 [[nodiscard]] bool is_in_folder(const std::string& path, std::string_view folder);
-/// Returns the count of numbers of an element, if the first `axes` axes count elements.
+/// Returns the count of numbers per element of an array. Its first `axes` axes count elements.
 [[nodiscard]] std::size_t parts_of_array(const ArrayInfo& array, std::size_t axes);
 /// Returns the times of the steps; empty if the file has none.
 [[nodiscard]] std::vector<double> vtkhdf_times(DatasetTree& tree);
 
-/// Step of a mesh in a VTKHDF file, which has a range of parts.
+/// Chosen step of a mesh in a VTKHDF file: a range of parts.
 class VtkhdfStep {
  public:
   explicit VtkhdfStep(DatasetTree& tree) : tree_(tree) {}
@@ -36,12 +36,12 @@ class VtkhdfStep {
   [[nodiscard]] std::uint64_t steps() const { return steps_; }
   [[nodiscard]] std::uint64_t step() const { return step_; }
   [[nodiscard]] const std::vector<double>& times() const { return times_; }
-  /// Returns the number of the first part.
+  /// Returns the number of the first part of the step.
   [[nodiscard]] double part() const { return part_; }
 
-  /// Returns a number of the step in an array of the group Steps.
+  /// Returns the number of the step in an array of the group Steps. Returns `otherwise` if there is none.
   [[nodiscard]] double offset(const std::string& name, std::size_t column, double otherwise = 0);
-  /// Returns the rows of an array with one number per part: first row and count.
+  /// Returns the rows of the step in an array with one number per part: first row and count.
   [[nodiscard]] std::pair<std::uint64_t, std::uint64_t> parts_of_step(const ArrayInfo& array) const;
 
  private:

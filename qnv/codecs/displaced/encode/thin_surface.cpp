@@ -210,7 +210,7 @@ std::variant<std::optional<ThinnedSurface>, EncodeError> merged_surface(EncodeRa
   return surface_of(lattice, merged, std::get<std::vector<CellTriangle>>(triangles));
 }
 
-/// Numbers of positions and of triangles, which precede a stored surface.
+/// Counts of positions and of triangles at the start of a stored surface.
 using ThinnedSizes = std::array<std::uint64_t, 2>;
 static_assert(sizeof(Rgb8) == 3);
 
@@ -228,7 +228,7 @@ std::vector<std::byte> stored_form(const ThinnedSurface& surface) {
   return bytes;
 }
 
-/// Returns the surface of stored_form(). Returns nullopt for other bytes, or for more than `most` triangles.
+/// Returns the surface in bytes of stored_form(). Returns nullopt if they are invalid or a count exceeds `most`.
 std::optional<ThinnedSurface> surface_in(std::span<const std::byte> bytes, std::size_t most) {
   ThinnedSizes sizes{};
   if (bytes.size() < sizeof sizes) return std::nullopt;

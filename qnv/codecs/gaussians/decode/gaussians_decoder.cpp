@@ -54,7 +54,7 @@ class GaussiansDecoder final : public Decoder {
     forest_.visit_shown([&](const SplatNode& node, const glm::vec3* harmonics) {
       glm::vec3 scales;
       for (int k = 0; k < 3; ++k)
-        scales[k] = static_cast<float>(gaussians::scale_of(node.scales[static_cast<std::size_t>(k)]));
+        scales[k] = static_cast<float>(gaussians::scale_of(node, static_cast<std::size_t>(k), forest_.fine()));
       // The shortest axis is the normal of the disc; it points away from the middle.
       const auto axis = gaussians::axes_of(node.rotation)[2];
       glm::vec3 normal(static_cast<float>(axis[0]), static_cast<float>(axis[1]), static_cast<float>(axis[2]));
@@ -66,7 +66,7 @@ class GaussiansDecoder final : public Decoder {
       all.colors.push_back(nearest_color(node.color));
       all.scales.push_back(scales);
       all.rotations.push_back(node.rotation);
-      all.opacities.push_back(static_cast<float>(gaussians::opacity_of(node.opacity)));
+      all.opacities.push_back(static_cast<float>(gaussians::opacity_of(node, forest_.fine())));
       all.bases.push_back(node.color);
       for (std::size_t k = 0; k < per; ++k) all.harmonics.push_back(harmonics ? harmonics[k] : glm::vec3(0));
     });

@@ -60,8 +60,8 @@ void SplatForest::add_cluster(std::span<const std::byte> payload) {
       wait(waiting_, packed->head.parent, next);
     } else if (usable) {
       const std::vector<SplatNode> parents = parents_of(packed->head, parent);
-      auto models =
-          parent && parent->models ? std::make_shared<SplatModels>(*parent->models) : std::make_shared<SplatModels>();
+      auto models = parent && parent->models ? std::make_shared<SplatModels>(*parent->models)
+                                             : std::make_shared<SplatModels>(precision_.trained);
       std::vector<NodeOrigin> origins;
       std::vector<SplatNode> nodes;
       const bool decoded = !parents.empty() && !(parent && !parent->models) &&

@@ -17,7 +17,7 @@ struct ChunkCandidate {
   std::uint32_t record = 0;
 };
 
-/// Head of finished records. The records and the indices of the clusters follow.
+/// Head of a result of ChunkRecords::finish(). The records and the indices of the clusters follow.
 struct FinishedHead {
   std::uint32_t first_id = 0, records = 0, clusters = 0, unused = 0;
   std::uint64_t bytes = 0;
@@ -59,7 +59,7 @@ std::optional<std::uint64_t> SharedStore::finish(std::string_view work, std::spa
   return store_.append(bytes) && store_.finish(work, offset, record) ? std::optional(offset) : std::nullopt;
 }
 
-// Takes no lock: only results of earlier runs are read, which no thread changes.
+// Takes no lock, because it reads only results of earlier runs. No thread changes them.
 std::optional<SharedStore::Finished> SharedStore::finished(std::string_view work) const {
   auto record = store_.finished(work);
   Finished found;

@@ -34,7 +34,7 @@ struct ChunkRecord {
 /// Store of bytes. Any thread.
 class SharedStore {
  public:
-  /// Bytes of finished work in the store, and its result.
+  /// Result of finished work, and the offset of its bytes in the store.
   struct Finished {
     std::uint64_t offset = 0;
     std::vector<std::byte> result;
@@ -81,8 +81,8 @@ class ChunkRecords {
   [[nodiscard]] std::span<const ChunkRecord> records() const { return records_; }
   [[nodiscard]] std::span<const std::uint32_t> clusters() const { return clusters_; }
 
-  /// Moves the bytes of all chunks to `store`, and records them as finished work. `bytes` must be the only content of
-  /// the store of these records. Returns nullptr if `store` is full.
+  /// Copies all chunks to `store`, and records them as finished work. `bytes` must be the store of these records, and
+  /// hold nothing else. Returns the records in `store`, or nullptr on failure.
   [[nodiscard]] std::unique_ptr<ChunkRecords> finish(std::string_view work, const SpillStore& bytes,
                                                      SharedStore& store) const;
   /// Returns the records that an earlier run finished. Returns nullptr if there are none with this `first_id`.

@@ -12,11 +12,11 @@ namespace gs::qnv::gaussians {
 namespace {
 
 // Levels with more Gaussians than this share of the leaves keep their moments.
-constexpr double kFittedShare = 0.35;
+constexpr double kFittedShare = 0.2;
 // Least standard deviation, relative to MergeTree::detail().
 constexpr float kThinnestFit = 1.0f / 32;
 
-/// Nodes of a level, and the largest errors of their children.
+/// Nodes of a level, each with the maximum error of the nodes that replace it.
 using FitCut = std::vector<std::pair<std::uint32_t, float>>;
 
 FitGaussian gaussian_of(const MergeTree& tree, std::uint32_t node, const FittedNodes& fitted) {
@@ -25,10 +25,10 @@ FitGaussian gaussian_of(const MergeTree& tree, std::uint32_t node, const FittedN
   return {tree[node].blob.mean, look.covariance, look.opacity, glm::max(tree[node].blob.color, glm::vec3(0))};
 }
 
-/// Reports whether the tree has no children of a node.
+/// Reports whether the tree ends at a node.
 bool ends(const MergeTree& tree, std::uint32_t node) { return tree[node].leaf() || tree[node].outside(); }
 
-/// Returns the Gaussians at the ends of the tree below some nodes.
+/// Returns the Gaussians at the ends of the tree below the nodes of a cut.
 std::vector<FitGaussian> leaves_below(const MergeTree& tree, const FitCut& cut) {
   std::vector<FitGaussian> leaves;
   std::vector<std::uint32_t> open;

@@ -13,7 +13,7 @@
 
 namespace gs::qnv::gaussians {
 
-/// Merged Gaussians of a tree as they are drawn: fitted ones suit the pictures of their leaves, others have their
+/// Fitted Gaussians for nodes of a tree. Their pictures resemble those of the leaves. Nodes without one keep their
 /// moments.
 class FittedNodes {
  public:
@@ -28,17 +28,17 @@ class FittedNodes {
   std::vector<FitGaussian> looks_;
 };
 
-/// Nodes from which levels start, and how they are fitted.
+/// Nodes from which levels start, and options of the fit.
 struct FitStart {
-  /// Nodes of the first level, and the largest error of the levels that follow on each of them. If it is empty, the
-  /// first level is that of a whole tree, which is fitted, too.
+  /// Nodes above the first level to fit, each with the maximum error of the nodes that replace it. They are not
+  /// fitted. If the list is empty, the first level is the first cut of the whole tree.
   std::vector<std::pair<std::uint32_t, float>> nodes;
   bool antialiased = false;  // as in Gaussians
-  std::size_t most = 0;      // Gaussians of the stream; 0 means unlimited
+  std::size_t most = 0;      // maximum Gaussians of the stream; 0 means unlimited
 };
 
-/// Fits the merged Gaussians of all levels that gain much. Returns nullopt if it is cancelled. Gives equal results for
-/// any number of threads.
+/// Fits the merged Gaussians of the coarse levels, level by level. Returns nullopt if it is cancelled. Gives equal
+/// results for any number of threads.
 [[nodiscard]] std::optional<FittedNodes> fit_nodes(const MergeTree& tree, const FitStart& start, unsigned threads,
                                                    Progress* progress);
 

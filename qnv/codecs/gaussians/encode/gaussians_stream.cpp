@@ -44,7 +44,8 @@ std::variant<EncodedStream, EncodeError> encode_whole(const GaussianSource& sour
   MemoryStore memory;
   SharedStore store(options.spill ? *options.spill : memory);
   ChunkRecords records(store, 0);
-  const auto fitted = fit_nodes(*tree, {{}, source.antialiased, options.vectors}, options.threads, progress);
+  const FitStart start{{}, source.antialiased, options.vectors};
+  const auto fitted = options.fitted ? fit_nodes(*tree, start, options.threads, progress) : FittedNodes();
   if (!fitted) return EncodeError{"cancelled"};
   ClusterWork work{splats, *tree, plan.precision};
   work.fitted = &*fitted;

@@ -31,7 +31,7 @@ constexpr float kMostCost = 1e24f;
 
 using Covariance = std::array<float, 6>;
 
-/// Two blobs as one. They cover together what they cover alone.
+/// Returns two blobs as one. Conserves the sum of cover x visibility.
 Blob merged(const Blob& a, const Blob& b) {
   Blob all;
   all.weight = a.weight + b.weight;
@@ -135,7 +135,7 @@ Candidate candidate_of(const Blob& blob, float detail, bool leaf) {
   return c;
 }
 
-/// Two candidates as one blob. It covers only once what both cover.
+/// Returns two candidates as one blob. An area that both cover counts once.
 Blob joined(const Candidate& a, const Candidate& b) {
   Blob all = merged(a.blob, b.blob);
   float twice = 0, sum = 0;
@@ -147,8 +147,8 @@ Blob joined(const Candidate& a, const Candidate& b) {
   return all;
 }
 
-/// Returns the squared error of pictures with one Gaussian for both, summed over three directions. What is hidden
-/// counts less.
+/// Returns the squared error of pictures with one Gaussian for both, summed over three directions. Hidden Gaussians
+/// count less.
 float cost_of(const Candidate& a, const Candidate& b, float detail) {
   const Candidate all = candidate_of(joined(a, b), detail, false);
   float cost = 0;

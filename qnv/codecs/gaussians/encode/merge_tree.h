@@ -16,14 +16,14 @@
 
 namespace gs::qnv::gaussians {
 
-/// Moments of one or more Gaussians: those of a mixture with the weights opacity x area x visibility.
+/// Moments of one or more Gaussians, as a mixture with the weights opacity x area x visibility.
 struct Blob {
   glm::vec3 mean{0};
   std::array<float, 6> covariance{};  // xx, xy, xz, yy, yz, zz
   glm::vec3 color{0};                 // mean of Gaussians::bases
   float weight = 0;                   // sum of opacity x area x visibility
   float visibility = 1;               // mean of visibility_of(), weighted by opacity x area x visibility
-  float cover = 0;                    // opacity x area of the union as it is seen, without what others cover twice
+  float cover = 0;                    // opacity x area of the union; an area under several Gaussians counts once
 };
 
 /// Shape of a blob as it is drawn.
@@ -94,8 +94,8 @@ class MergeTree {
 /// Returns the standard deviation below which the details of a scene count as points. It depends on the median distance
 /// from the mean, because few splats may lie far away. `box` has all positions.
 [[nodiscard]] float detail_of(const Gaussians& source, const Box& box);
-/// Returns a forest of leaves, one per Gaussian. `visibility` has a number per Gaussian, as visibility_of() returns
-/// them.
+/// Returns a forest of leaves, one per Gaussian. `visibility` is the result of visibility_of(), one number per
+/// Gaussian.
 [[nodiscard]] Forest leaves_of(const Gaussians& source, const Box& box, float detail,
                                std::span<const float> visibility);
 /// Returns the area of a Gaussian with this covariance, averaged over directions, if its details below `detail` are

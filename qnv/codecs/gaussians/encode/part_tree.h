@@ -15,7 +15,7 @@
 
 namespace gs::qnv::gaussians {
 
-/// Trees of one part of a scene in a store. Of leaves, the store has the visibility only.
+/// Trees of one part of a scene in a store. The store has the merged nodes, and only the visibility of the leaves.
 struct StoredTree {
   std::uint64_t offset = 0;  // of the merged nodes; the visibility of the leaves follows them
   std::size_t merged = 0;    // number of merged nodes
@@ -39,7 +39,7 @@ struct PartTop {
 /// Returns nullopt if the store is full.
 [[nodiscard]] std::optional<StoredTree> store_tree(const MergeTree& tree, const PartTop& top, std::string_view work,
                                                    std::size_t splats, SharedStore& store);
-/// Reads trees and a top that an earlier run finished. Returns false if there are none for as many splats.
+/// Reads trees and a top that an earlier run finished. Returns false if there are none for this number of splats.
 [[nodiscard]] bool restore_tree(std::string_view work, std::size_t splats, const SharedStore& store, StoredTree& tree,
                                 PartTop& top);
 /// Appends the top of a part to bytes for another process of this program.

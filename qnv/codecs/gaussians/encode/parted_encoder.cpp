@@ -235,7 +235,7 @@ class PartedEncoder {
     return done && good;
   }
 
-  /// Returns the name of work on a part, which identifies its result for later runs. Parts do not depend on ranks.
+  /// Returns the name of work on a part. It identifies the result for later runs. Parts do not depend on ranks.
   [[nodiscard]] std::string name_of(const char* work, std::size_t i) const {
     return std::string(work) + " " + std::to_string(most_) + " " + std::to_string(parts_.size()) + " " +
            std::to_string(i);
@@ -249,7 +249,7 @@ class PartedEncoder {
     }
     const auto splats = read_part(part.splats, source_.degree, store_);
     if (!splats) return fail_to_store();
-    // Other parts may hide splats, but not most of those that their own part shows.
+    // Ignores other parts. They rarely hide a splat that is visible within its own part.
     const std::vector<float> visibility = visibility_of(*splats, 1, progress_);
     if (visibility.empty()) return false;
     Forest leaves = leaves_of(*splats, splats->description.box, plan_.detail, visibility);
@@ -267,7 +267,7 @@ class PartedEncoder {
   bool encode_top() {
     const auto tree = MergeTree::join(std::move(top_.forest), plan_.detail, 1, options_.threads, progress_);
     if (!tree) return false;
-    const auto fitted = fit_nodes(*tree, fit_start(), options_.threads, progress_);
+    const auto fitted = options_.fitted ? fit_nodes(*tree, fit_start(), options_.threads, progress_) : FittedNodes();
     if (!fitted) return false;
     ClusterWork work{top_.leaves, *tree, plan_.precision};
     work.fitted = &*fitted;
@@ -324,7 +324,7 @@ class PartedEncoder {
       for (std::size_t i = range.from; i < range.to; ++i)
         if (!range.cluster.nodes[i].leaf)
           start.nodes.emplace_back(range.cluster.places[i], error_below(first_error_, range.cluster.head.level));
-    const auto fitted = fit_nodes(*tree, start, 1, progress_);
+    const auto fitted = options_.fitted ? fit_nodes(*tree, start, 1, progress_) : FittedNodes();
     if (!fitted) return false;
     ClusterWork work{*splats, *tree, plan_.precision, first_id_, first_error_, &*fitted};
     return encode_chunks(work, std::exchange(part.ranges, {}), harmonics, options_, records, nullptr, progress_) ||

@@ -18,7 +18,7 @@ namespace {
 
 // Room for the bytes of a cluster without its head.
 constexpr std::size_t kMostBytes = kMostClusterBytes - 20, kSpareBytes = 20;
-// All Gaussians of a cluster with so few leaves are replaced by all of them.
+// If a cluster has at most this many leaves, they replace all of its Gaussians.
 constexpr std::uint32_t kFewLeavesOfCluster = 250;
 
 /// Children of the Gaussians of a cluster, as places in the tree.
@@ -92,6 +92,9 @@ class ClusterEncoder {
       shape = sorted(source_.scales[node.right], glm::mat3_cast(glm::quat(q.w, q.x, q.y, q.z)));
       code.opacity = opacity_code(source_.opacities[node.right]);
       for (std::size_t k = 0; k < 3; ++k) code.scales[k] = scale_code(shape.scales[static_cast<int>(k)]);
+      for (std::size_t k = 0; k < 3; ++k)
+        code.fine[k] = fine_scale(shape.scales[static_cast<int>(k)], code.scales[k], precision_.fine);
+      code.fine[3] = fine_opacity(source_.opacities[node.right], code.opacity, precision_.fine);
     } else {
       // Half the precision.
       const BlobLook look = fitted ? BlobLook{fitted->covariance, fitted->opacity} : tree_.look(place);
@@ -207,7 +210,7 @@ bool encode_clusters(ClusterWork& work, std::vector<OpenRange> ranges,
     OpenCluster root;
     root.nodes = {root_node(work.precision.box)};
     root.places = {work.tree.root()};
-    root.models = std::make_shared<SplatModels>();
+    root.models = std::make_shared<SplatModels>(work.precision.trained);
     encoder.divide(root, 0, 1, true, add);
   }
   for (OpenRange& range : ranges) {

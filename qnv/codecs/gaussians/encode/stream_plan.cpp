@@ -21,6 +21,7 @@ bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y
 Precision precision_of(const Gaussians& source, const Box& box, float detail) {
   Precision precision;
   precision.box = box;
+  precision.trained = true;
   const glm::vec3 size = precision.box.size();
   const double edge = std::max({size.x, size.y, size.z});
   precision.finest = scale_code(std::max(detail * kPoint, edge / kMostSteps));
@@ -64,8 +65,14 @@ StreamPlan plan_of(const GaussianSource& source, const Gaussians& sample, const 
   plan.detail = detail_of(sample, whole.empty() ? box : whole);
   plan.precision = precision_of(sample, plan.header.description.box, plan.detail);
   plan.precision.steps = std::clamp(options.splat_steps, -GaussianCoding::kMostSteps, GaussianCoding::kMostSteps);
-  plan.header.gaussians = {plan.precision.important, plan.precision.finest, plan.precision.steps, source.degree,
-                           source.antialiased};
+  plan.precision.fine = fine_bits(plan.precision.steps);
+  plan.header.gaussians = {plan.precision.important,
+                           plan.precision.finest,
+                           plan.precision.steps,
+                           source.degree,
+                           source.antialiased,
+                           plan.precision.trained,
+                           static_cast<std::uint8_t>(plan.precision.fine)};
   return plan;
 }
 

@@ -7,13 +7,13 @@
 namespace gs::qnv::gaussians {
 namespace {
 
-// A Gaussian for so few leaves is replaced by all of them.
+// If a Gaussian has at most this many leaves, all of them replace it.
 constexpr std::uint32_t kFewLeaves = 6;
 
 }  // namespace
 
 std::vector<std::uint32_t> parts_of(const MergeTree& tree, std::uint32_t place, float least, std::size_t most) {
-  if (tree[place].leaves <= kFewLeaves) {
+  if (tree[place].leaves <= kFewLeaves && tree[place].error > least) {
     least = -1;
     most = kMostChildren;
   }

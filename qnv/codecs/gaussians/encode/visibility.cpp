@@ -18,25 +18,25 @@
 namespace gs::qnv::gaussians {
 namespace {
 
-// Numbers of parallel views from outside, of places inside, and of views from each place.
+// Numbers of parallel views from outside, of positions inside, and of views from each position.
 constexpr std::size_t kOutside = 12, kPlaces = 6, kFaces = 6;
 // Pixels along the edge of a view.
 constexpr int kPixelsOutside = 128, kPixelsInside = 96;
-// Cells along the edges of the grid in which free places are searched.
+// Cells along each edge of the grid for the search of free positions.
 constexpr int kCells = 16;
-// Share of the splats beyond each side of the box that views show.
+// Share of the splats that the box of the views omits at each of its sides.
 constexpr double kBeyond = 0.01;
-// A cell is free if its share of opacity x area is below this part of the mean of all cells.
+// A cell is free if its sum of opacity x area is at most this fraction of the mean of all cells.
 constexpr double kFree = 0.05;
-// Variance in pixels that is added to splats, and their largest radius in pixels.
+// Variance in pixels^2 that is added to splats, and their maximum radius in pixels.
 constexpr float kBlur = 0.3f, kMostRadius = 48;
-// Light below which a pixel is opaque.
+// Transmittance below which a pixel is opaque.
 constexpr float kOpaque = 1.0f / 256;
-// Splats end where exp() has this argument.
+// Splats end where their opacity is exp(-kEnd) times that of their centre.
 constexpr float kEnd = 4.5f;
 constexpr std::uint8_t kUnseen = 255, kAllLight = 254;
 
-/// Coordinates of a view: to the right, up, and away from the viewer.
+/// Axes of a view: to the right, up, and away from the viewer.
 struct Frame {
   glm::vec3 right, up, away;
 };
@@ -50,7 +50,7 @@ struct Spot {
   float opacity;
 };
 
-/// exp(-x) for x from 0 to kEnd.
+/// Table of exp(-x) for x from 0 to kEnd.
 class ExpTable {
  public:
   ExpTable() {
@@ -64,7 +64,7 @@ class ExpTable {
   std::array<float, kSteps + 1> values_{};
 };
 
-/// Blends spots from front to back. Writes the mean light that reaches each of them, squared, in units of 1/kAllLight.
+/// Canvas that blends spots from front to back. Writes the mean squared light that reaches each, in 1/kAllLight.
 class Canvas {
  public:
   explicit Canvas(int pixels) : pixels_(pixels), light_(static_cast<std::size_t>(pixels * pixels), 1.0f) {}
@@ -78,7 +78,7 @@ class Canvas {
   }
 
  private:
-  /// Returns -1 if the spot touches no pixel.
+  /// Blends a spot. Returns the mean squared light that reaches it, or -1 if it touches no pixel.
   float blend(const Spot& s) {
     const float determinant = s.xx * s.yy - s.xy * s.xy;
     if (!(determinant > 0)) return -1;
@@ -110,7 +110,7 @@ class Canvas {
   std::vector<float> light_;
 };
 
-/// Box without the splats that are far away.
+/// Returns the box of the splats without distant ones.
 Box middle_of(const Gaussians& source) {
   Box box;
   std::vector<float> values(source.size());
@@ -128,7 +128,7 @@ Box middle_of(const Gaussians& source) {
   return box;
 }
 
-/// Camera positions inside a scene: free cells that are far from others and from each other.
+/// Returns camera positions inside a scene: centres of free cells that are far from full cells and from each other.
 std::vector<glm::vec3> free_places(const Gaussians& source, const Box& box) {
   constexpr int kAll = kCells * kCells * kCells;
   const glm::vec3 cell = box.size() / static_cast<float>(kCells);
@@ -145,7 +145,7 @@ std::vector<glm::vec3> free_places(const Gaussians& source, const Box& box) {
   for (const double m : mass) whole += m;
   const auto corner = [](int i) { return glm::vec3(i % kCells, i / kCells % kCells, i / (kCells * kCells)) + 0.5f; };
   const auto apart = [&](int a, int b) { return glm::length((corner(a) - corner(b)) * cell); };
-  // Distances to the next cell that is not free, then also to chosen cells.
+  // Distances to the nearest full cell. Chosen cells count as well, with half of their distance.
   std::vector<int> full;
   for (int i = 0; i < kAll; ++i)
     if (mass[static_cast<std::size_t>(i)] > kFree * whole / kAll) full.push_back(i);
@@ -170,7 +170,7 @@ Frame frame_along(const glm::vec3& away) {
   return {right, glm::cross(away, right), away};
 }
 
-/// Returns direction `i` of those that kOutside views share evenly.
+/// Returns the axes of outside view `i`. The views have evenly spread directions.
 Frame outside_frame(std::size_t i) {
   const float y = 1 - (2 * static_cast<float>(i) + 1) / static_cast<float>(kOutside);
   const float turn = static_cast<float>(i) * std::numbers::pi_v<float> * (3 - std::sqrt(5.0f)),
@@ -195,10 +195,10 @@ class Views {
     places_ = free_places(source, box_);
   }
 
-  /// Views from outside come first, then all faces of the first place.
+  /// Returns the number of views. Outside views come first, then the faces of each position inside.
   [[nodiscard]] std::size_t size() const { return kOutside + kFaces * places_.size(); }
 
-  /// Writes the squared light of each splat in a view; kUnseen for those outside of the picture.
+  /// Writes the mean squared light that reaches each splat in a view, or kUnseen if the splat is not in the picture.
   void look(std::size_t view, std::span<std::uint8_t> seen) const {
     std::ranges::fill(seen, kUnseen);
     const bool outside = view < kOutside;
@@ -223,7 +223,7 @@ class Views {
            a.z * (c[2] * b.x + c[4] * b.y + c[5] * b.z);
   }
 
-  /// Projects a splat in parallel. Returns false if its centre is outside of the picture.
+  /// Projects a splat by parallel projection. Returns false if its centre is outside of the picture.
   bool project(const Frame& frame, Spot& spot) const {
     const glm::vec3 p = source_.positions[spot.splat] - (box_.lower + box_.upper) * 0.5f;
     const float scale = 0.5f * kPixelsOutside / radius_;
@@ -232,7 +232,7 @@ class Views {
     return set_shape(spot, frame.right * scale, frame.up * scale, kPixelsOutside);
   }
 
-  /// Projects a splat in perspective, with an angle of 90 degrees.
+  /// Projects a splat in perspective, with a field of view of 90 degrees.
   bool project(const Frame& frame, const glm::vec3& from, Spot& spot) const {
     const glm::vec3 p = source_.positions[spot.splat] - from;
     spot.depth = glm::dot(p, frame.away);
@@ -261,7 +261,7 @@ class Views {
   std::vector<glm::vec3> places_;
 };
 
-/// Mean of the views that show a splat.
+/// Mean light of a splat in the views that show it.
 struct Mean {
   float sum = 0;
   std::uint32_t count = 0;
@@ -288,7 +288,7 @@ std::vector<float> visibility_of(const Gaussians& source, unsigned threads, Prog
   for (std::size_t i = 0; i < count; ++i) {
     Mean outside, inside;
     for (std::size_t view = 0; view < views.size(); ++view) (view < kOutside ? outside : inside).add(of(view)[i]);
-    // Assume that splats far away are visible.
+    // A splat that no view shows counts as visible.
     const float light = outside.count + inside.count > 0 ? std::max(outside.value(), inside.value()) : 1;
     all[i] = kLeastVisibility + (1 - kLeastVisibility) * std::sqrt(light);
   }

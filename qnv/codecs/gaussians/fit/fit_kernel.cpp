@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t kFitUntilLook = 16;     // Gaussians between two checks for opaque tiles
 constexpr float kFitDark = 1 / 512.0f;        // maximum transmittance of an opaque pixel
-constexpr float kFitLeastPower = -7.994353f;  // logarithm of 1/255, below which a Gaussian ends
+constexpr float kFitLeastPower = -7.994353f;  // binary logarithm of 1/255, the minimum opacity
 constexpr float kFitMostAlpha = 0.99f;        // maximum opacity of one Gaussian
 
 namespace fit_baseline {

@@ -19,8 +19,8 @@ struct FitSplat {
   float red = 0, green = 0, blue = 0;
 };
 
-/// Gradient of the squared error by one Gaussian in one tile. The sums are over pixels; `a` is the opacity in a pixel
-/// times the derivative by it.
+/// Gradient of half the squared error by one Gaussian in one tile, as sums over pixels. `a` is opacity x derivative by
+/// opacity. `ax` to `ayy` have the additional factors dx and dy.
 struct FitSums {
   float a = 0, ax = 0, ay = 0, axx = 0, axy = 0, ayy = 0;
   float red = 0, green = 0, blue = 0;
@@ -30,15 +30,15 @@ struct FitSums {
 struct alignas(32) FitTile {
   using Channel = std::array<float, std::size_t{kFitTile} * kFitTile>;
   Channel red, green, blue, clear;  // premultiplied colours, transmittance
-  // Derivatives of the error by the colours, their products with the visible colours, and the sum of these products so
-  // far.
+  // Derivatives of the error by the colours. `total` is the sum of their products with all visible colours. `sum` has
+  // the products of the Gaussians so far.
   Channel by_red, by_green, by_blue, total, sum;
 };
 
 /// Functions for tiles, for one instruction set.
 struct FitKernel {
-  /// Blends Gaussians, front to back, into a tile. (left, bottom) is its lower left pixel. Returns the number of
-  /// Gaussians until no further one can be visible.
+  /// Blends Gaussians, front to back, into a tile. (left, bottom) is its lower left pixel. Stops if the tile is opaque.
+  /// Returns the number of blended Gaussians.
   std::size_t (*blend)(std::span<const FitSplat> all, std::span<const std::uint32_t> order, float left, float bottom,
                        FitTile& tile);
   /// Computes the gradients by the blended Gaussians. `clear` must be 1 and `sum` 0 at the beginning.

@@ -11,11 +11,11 @@
 namespace gs::qnv::gaussians {
 namespace {
 
-// Logarithm of the least visible opacity to the base 2, and half the binary logarithm of e.
+// Binary logarithm of the minimum visible opacity, and half the binary logarithm of e.
 constexpr float kFitFaintest = -7.994353f, kFitHalfLog2E = 0.72134752f;
-// The projection is linearised at most at this multiple of the half view (3DGS).
+// The projection is linearised at tangents of at most this multiple of FitCamera::tangent (3DGS).
 constexpr float kFitFarthestTangent = 1.3f;
-// Grey background, and weight of squared errors of the transmittance. They stand for backgrounds of any colour.
+// Grey background, and weight of squared errors of the transmittance. Together they cover backgrounds of any colour.
 constexpr float kFitBackground = 0.5f, kFitClearWeight = 0.25f;
 // Gaussians that a thread projects at a time.
 constexpr std::size_t kFitRange = 2048;
@@ -191,7 +191,7 @@ double FitPainter::differentiate(std::span<const FitGaussian> gaussians, const F
 }
 
 void FitPainter::gather(std::vector<FitGradient>& gradient) const {
-  // Adds in a fixed order.
+  // Adds in a fixed order, so that results do not depend on threads.
   std::vector<FitSums> totals(splats_.size());
   for (std::size_t i = 0; i < order_.size(); ++i) {
     FitSums& to = totals[order_[i]];
@@ -214,8 +214,8 @@ void FitPainter::gather(std::vector<FitGradient>& gradient) const {
     to.color = {s.red, s.green, s.blue};
     to.opacity = s.a;
     to.mean = (k.x * s.ax + k.y * s.ay) * u + (k.y * s.ax + k.z * s.ay) * v;
-    // Derivative by the covariance in the picture: K H K / 2, where K is its inverse and H the sums of squares. The
-    // peak depends on the blur, too.
+    // Derivative by the covariance in the picture: K H K / 2, where K is its inverse and H has `axx`, `axy`, `ayy`. The
+    // terms with s.a are the change of the peak by FitBlur::even.
     const float px = k.x * s.axx + k.y * s.axy, py = k.x * s.axy + k.y * s.ayy, qx = k.y * s.axx + k.z * s.axy,
                 qy = k.y * s.axy + k.z * s.ayy;
     const float xx = 0.5f * (px * k.x + py * k.y + s.a * (sharp.x - k.x)),

@@ -20,7 +20,7 @@ struct FitGaussian {
   glm::vec3 color{0};
 };
 
-/// Gradient of the error of a picture by a Gaussian. All numbers are 0 for invisible Gaussians.
+/// Gradient of half the squared error of a picture by a Gaussian. All numbers are 0 for invisible Gaussians.
 struct FitGradient {
   glm::vec3 mean{0};
   std::array<float, 6> covariance{};  // as a symmetric matrix
@@ -45,21 +45,21 @@ struct FitBlur {
   float even = 0;       // keeps the sum of the opacity
 };
 
-/// Painter of small pictures of Gaussians, and of the gradients of their errors, by EWA as in viewers. Gives equal bits
-/// for any number of threads.
+/// Painter of small pictures of Gaussians by EWA splatting, as in viewers. Also computes gradients of errors. Gives
+/// equal bits for any number of threads.
 class FitPainter {
  public:
   /// Constructs a painter of `side` x `side` pixels, a multiple of kFitTile.
   FitPainter(int side, FitBlur blur, unsigned threads) : side_(side), blur_(blur), threads_(threads) {}
 
   void paint(std::span<const FitGaussian> gaussians, const FitCamera& camera, FitPixels& pixels);
-  /// Computes the gradient of half the squared error against a picture, over all colours of the background. Returns
-  /// the squared error.
+  /// Computes the gradient of half the squared error against a picture, for backgrounds of any colour. Returns the
+  /// squared error.
   double differentiate(std::span<const FitGaussian> gaussians, const FitCamera& camera, const FitPixels& target,
                        std::vector<FitGradient>& gradient);
 
  private:
-  /// Numbers of a visible Gaussian that gradients need.
+  /// Intermediate values of a visible Gaussian, for its gradient.
   struct Seen {
     std::uint32_t index = 0;
     glm::vec3 across{0}, along{0};  // derivatives of the pixel by the position
@@ -106,7 +106,7 @@ class FitPainter {
   std::vector<FitSplat> splats_;  // visible Gaussians, nearest first
   std::vector<Seen> seen_;
   std::vector<std::uint32_t> order_;  // Gaussians of the tiles, nearest first
-  std::vector<std::size_t> first_;    // in order_, by tile
+  std::vector<std::size_t> first_;    // first place in order_, by tile
   std::vector<FitSums> sums_;         // by place in order_
 };
 

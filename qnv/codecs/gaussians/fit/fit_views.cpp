@@ -14,15 +14,15 @@ namespace {
 // Number of views, and limits of the pixels along their edges.
 constexpr unsigned kFitViews = 24;
 constexpr int kLeastFitSide = 64, kMostFitSide = 512;
-// Pixels along an edge, relative to the root of the number of Gaussians.
+// Pixels along an edge, relative to the square root of the number of Gaussians.
 constexpr float kFitSideDetail = 5;
-// Blur of the largest pictures in pixels^2, as in viewers, and that of pixels that are means of areas.
+// Blur of the largest pictures, as in viewers, and blur of a pixel that is the mean of an area, in pixels^2.
 constexpr float kUsualBlur = 0.3f, kPixelVariance = 1 / 12.0f;
-// One of so many views is inside of a room, if a free place is found in so many tries. Scenes are rooms while less than
-// this share of such a picture is clear.
+// In a room, one of kFitInsideEvery views is inside, if kFitTries tries find a free position. A scene is a room while
+// the mean transmittance of inside pictures is below kFitMostClear.
 constexpr unsigned kFitInsideEvery = 3, kFitTries = 16;
 constexpr float kFitMostClear = 0.4f;
-// Share of the Gaussians beyond each side of the box that outside views show.
+// Share of the Gaussians that the box of the views omits at each of its sides.
 constexpr double kFitBeyond = 0.01;
 
 /// Returns element `i` of the Halton sequence with a base: evenly spread numbers from 0 to 1.
@@ -35,7 +35,7 @@ float halton(unsigned i, unsigned base) {
   return result;
 }
 
-/// Returns a corner of the box that omits the Gaussians far away: the lower one for `share` 0, the upper one for 1.
+/// Returns a corner of the box without distant Gaussians: the lower corner for `share` 0, the upper one for 1.
 glm::vec3 corner_of(std::span<const FitGaussian> leaves, double share) {
   std::vector<float> values(leaves.size());
   const double beyond = kFitBeyond + share * (1 - 2 * kFitBeyond);
@@ -49,7 +49,7 @@ glm::vec3 corner_of(std::span<const FitGaussian> leaves, double share) {
   return corner;
 }
 
-/// Reports whether no opaque Gaussian is within `radius` of a place.
+/// Reports whether no opaque Gaussian is within about `radius` of a position.
 bool is_free(std::span<const FitGaussian> leaves, const glm::vec3& place, float radius) {
   constexpr float kSolid = 0.3f;
   return std::ranges::none_of(leaves, [&](const FitGaussian& one) {
@@ -59,7 +59,7 @@ bool is_free(std::span<const FitGaussian> leaves, const glm::vec3& place, float 
   });
 }
 
-/// Points a camera in direction `i`.
+/// Points a camera in direction `i` of a sequence of evenly spread directions.
 void turn_camera(unsigned i, FitCamera& camera) {
   const float z = 1 - 2 * halton(i, 2), turn = 2 * std::numbers::pi_v<float> * halton(i, 3),
               round = std::sqrt(std::max(1 - z * z, 0.0f));
@@ -69,7 +69,7 @@ void turn_camera(unsigned i, FitCamera& camera) {
   camera.up = glm::cross(camera.right, camera.ahead);
 }
 
-/// Box without the Gaussians far away.
+/// Box without distant Gaussians.
 struct FitBox {
   glm::vec3 lower, upper;
 
@@ -88,7 +88,7 @@ FitCamera outside_camera(unsigned i, const FitBox& box) {
   return camera;
 }
 
-/// Returns nullopt if no free place is found.
+/// Returns camera `i` at a free position inside. Returns nullopt if the tries find none.
 std::optional<FitCamera> inside_camera(unsigned i, std::span<const FitGaussian> leaves, const FitBox& box) {
   for (unsigned at = i * kFitTries; at < (i + 1) * kFitTries; ++at) {
     const glm::vec3 share = 0.2f + 0.6f * glm::vec3(halton(at, 2), halton(at, 3), halton(at, 5));
@@ -102,13 +102,13 @@ std::optional<FitCamera> inside_camera(unsigned i, std::span<const FitGaussian> 
   return std::nullopt;
 }
 
-/// Returns the pixels along the edge of pictures of so many Gaussians.
+/// Returns the pixels along the edge of pictures of `count` Gaussians.
 int side_for(std::size_t count) {
   const auto wanted = static_cast<int>(std::min(kFitSideDetail * std::sqrt(static_cast<float>(count)), 1e4f));
   return std::clamp((wanted + kFitTile - 1) / kFitTile * kFitTile, kLeastFitSide, kMostFitSide);
 }
 
-/// Returns a number from 0 to 1 in steps of 1/255; 0 for NaN.
+/// Returns a number from 0 to 1 in units of 1/255. Returns 0 for NaN.
 std::uint8_t byte_of(float v) { return v > 0 ? static_cast<std::uint8_t>(std::min(v, 1.0f) * 255 + 0.5f) : 0; }
 
 /// Reports whether most of a picture is covered.

@@ -11,12 +11,12 @@
 
 namespace gs::qnv::gaussians {
 
-/// Pictures of the leaves of a tree. Merged Gaussians should have equal pictures.
+/// Pictures of the leaves of a tree. They are the targets of the fit.
 class FitViews {
  public:
-  /// Paints Gaussians from around the scene, and of a room also from free places inside. There must be at least one.
-  /// Returns an empty list of cameras if it is cancelled. Pictures have enough pixels to fit `most` Gaussians.
-  /// `antialiased` is as in Gaussians.
+  /// Paints at least one Gaussian from around the scene, and a room also from free positions inside. Leaves cameras()
+  /// empty if it is cancelled. Pictures have enough pixels to fit `most` Gaussians. `antialiased` has the meaning of
+  /// Gaussians::antialiased.
   FitViews(std::span<const FitGaussian> leaves, std::size_t most, bool antialiased, unsigned threads,
            Progress* progress);
 

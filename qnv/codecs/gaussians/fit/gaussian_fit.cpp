@@ -14,24 +14,24 @@
 namespace gs::qnv::gaussians {
 namespace {
 
-// Pixels along the edge of a picture, relative to the root of the number of Gaussians, and at least.
+// Pixels along the edge of a picture per square root of the number of Gaussians. Maximum factor of the reduction.
 constexpr float kFitDetail = 2.5f;
 constexpr int kMostReduction = 16;
-// Rounds of the descent. Larger levels gain less by a round, and each costs more.
+// Rounds times the square root of the number of Gaussians. In larger levels, a round gains less and costs more.
 constexpr float kFitRounds = 6600;
 constexpr int kLeastRounds = 24, kMostRounds = 160;
 // Decay of the mean gradient and of the mean square in a round in which a Gaussian is visible.
 constexpr float kMeanDecay = 0.9f, kSquareDecay = 0.98f;
 // Gradients below this share of the root mean square of all Gaussians count less.
 constexpr float kFitDamping = 0.3f;
-// Thin axes count as having this share of the largest deviation when a Gaussian moves.
+// When a Gaussian moves, a thin axis counts with this share of the largest deviation.
 constexpr float kThinnest = 0.125f;
 constexpr float kLeastLogit = -5, kMostLogit = 5, kMostStart = 0.98f, kLeastStart = 0.004f;
 // Gaussians that a thread changes at a time.
 constexpr std::size_t kStepRange = 512;
 
-/// Kinds of parameters, and their steps: positions and turns are in the own axes, positions in standard deviations,
-/// scales in logarithms, opacities as logits.
+/// Kinds of parameters, and their steps. Positions and turns relate to the axes of the Gaussian. Units: standard
+/// deviations, logarithms of scales, radians, logits of opacities, colours.
 enum FitKind : std::size_t { kFitMove, kFitScale, kFitTurn, kFitOpacity, kFitColor, kFitKinds };
 constexpr std::array<float, kFitKinds> kFitSteps{0.04f, 0.08f, 0.015f, 0.08f, 0.02f};
 constexpr std::size_t kParameters = 13;
@@ -47,7 +47,7 @@ struct FreeGaussian {
   glm::quat rotation{1, 0, 0, 0};
   float logit = 0;
   FitStep gradient{}, mean{}, square{};
-  float mean_share = 1, square_share = 1;  // weights of the start in the means
+  float mean_share = 1, square_share = 1;  // weights of the initial zeros in the means
 };
 
 void set_covariance(FitGaussian& one, const glm::mat3& axes, const glm::vec3& scales) {
@@ -87,7 +87,7 @@ class Descent {
     });
   }
 
-  /// Changes the visible Gaussians against the gradient. `share` is that of the full steps.
+  /// Changes the visible Gaussians against the gradient, by `share` of the full steps.
   void step(const std::vector<FitGradient>& gradient, float share) {
     std::vector<KindSquares> squares(ranges());
     std::vector<std::size_t> visible(ranges());
@@ -99,7 +99,7 @@ class Descent {
       for (std::size_t k = 0; k < kParameters; ++k)
         squares[range][kKindOf[k]] += double{free_[i].gradient[k]} * free_[i].gradient[k];
     });
-    // Adds in a fixed order.
+    // Adds in a fixed order, so that results do not depend on threads.
     KindSquares sums{};
     double count = 1;
     for (std::size_t range = 0; range < ranges(); ++range) {
@@ -139,7 +139,7 @@ class Descent {
     const glm::vec3 square = own.scales * own.scales, moving = moving_scales(own.scales);
     for (int k = 0; k < 3; ++k) {
       const auto to = static_cast<std::size_t>(k);
-      // Turns about an axis exchange the other two.
+      // A turn about an axis mixes the other two axes.
       const int p = (k + 1) % 3, q = (k + 2) % 3;
       own.gradient[to] = glm::dot(axes[k], by.mean) * moving[k];
       own.gradient[3 + to] = 2 * square[k] * turned[k][k];
@@ -162,7 +162,7 @@ class Descent {
       step[k] = -share * kFitSteps[kKindOf[k]] * (own.mean[k] / (1 - own.mean_share)) / usual;
       sum += step[k];
     }
-    if (!std::isfinite(sum)) return;  // numbers that float cannot hold
+    if (!std::isfinite(sum)) return;  // a number exceeds the range of float
     const glm::mat3 axes = glm::mat3_cast(own.rotation);
     const glm::vec3 moving = moving_scales(own.scales);
     for (int k = 0; k < 3; ++k) {
@@ -204,7 +204,7 @@ bool fit_gaussians(std::vector<FitGaussian>& gaussians, std::span<const std::uin
   for (int round = 0; round < rounds; ++round) {
     if (is_cancelled(progress)) return false;
     const std::size_t view = static_cast<std::size_t>(round) % cameras.size();
-    // Large pictures are not kept.
+    // Targets of full size are not kept, to save memory.
     const FitPixels whole = factor > 1 ? FitPixels() : views.reduced(view, side, factor);
     (void)painter.differentiate(gaussians, cameras[view], factor > 1 ? targets[view] : whole, gradient);
     const float angle = std::numbers::pi_v<float> * static_cast<float>(round) / static_cast<float>(rounds);

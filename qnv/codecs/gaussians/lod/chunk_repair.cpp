@@ -64,7 +64,7 @@ void ChunkRepair::run() {
     };
     result_.problems = read_whole(*source_, true, take, &stop_);
   } catch (const std::exception&) {
-    result_.problems.push_back({0, "damaged chunks are not restored, because memory is missing"});
+    result_.problems.push_back({0, "damaged chunks are not restored: memory is insufficient"});
   }
   ended_ = true;
 }

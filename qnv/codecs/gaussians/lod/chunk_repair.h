@@ -16,8 +16,8 @@ namespace gs::qnv::gaussians {
 /// First offset of restored chunks: beyond the end of any stream, and beyond offsets of StreamFeed::add_loose().
 inline constexpr std::uint64_t kNowhere = std::uint64_t{1} << 63;
 
-/// Reads a whole stream of Gaussians and checks all checksums. Passes on all sound chunks. With `parity`, also passes
-/// on the chunks that parity restores; their offsets are kNowhere. Ends early when `stop` becomes true. Any thread.
+/// Reads a whole stream of Gaussians and checks all checksums. Passes all sound chunks to `take`. With `parity`, also
+/// passes restored chunks, with the offset kNowhere. Ends early when `stop` becomes true. Any thread.
 [[nodiscard]] std::vector<StreamProblem> read_whole(const ChunkSource& source, bool parity,
                                                     const StreamReader::OnChunk& take,
                                                     const std::atomic<bool>* stop = nullptr);
@@ -36,14 +36,14 @@ class ChunkRepair : NonCopyable {
     std::vector<StreamProblem> problems;
   };
 
-  /// Starts to read. Adds restored chunks to `patches`, from the offset kNowhere on.
+  /// Starts the reading. Adds restored chunks to `patches`, from the offset kNowhere on.
   ChunkRepair(std::shared_ptr<const ChunkSource> source, std::shared_ptr<ArrivedChunks> patches);
-  /// Ends the reading early.
+  /// Ends the reading early, and waits for its thread.
   ~ChunkRepair();
 
   /// Reports whether the result is complete, so that finish() does not block.
   [[nodiscard]] bool ended() const { return ended_; }
-  /// Waits until the stream was read. Returns the result. Call it once.
+  /// Waits until the whole stream is read. Returns the result. Call it once.
   [[nodiscard]] Result finish();
 
  private:

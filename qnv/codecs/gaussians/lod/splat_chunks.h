@@ -79,14 +79,14 @@ class SplatChunks {
   [[nodiscard]] ClusterHarmonics decode_harmonics(std::uint32_t cluster, std::span<const SplatNode> leaves,
                                                   std::span<const SplatNode> merged) const;
 
-  /// Makes restore() wait for a repair, or return while it is running. The default is to wait.
+  /// Sets whether restore() waits for a running repair, or returns at once. The default is to wait.
   void set_waiting(bool waiting) { waiting_ = waiting; }
   /// Restores damaged chunks of a file by parity. Another thread reads the whole file, but only once. Returns true if
-  /// chunks are restored now.
+  /// this call added restored chunks.
   bool restore();
   /// Reports whether a repair is running. Clusters that cannot be decoded may be restored soon.
   [[nodiscard]] bool repairing() const { return repair_ != nullptr; }
-  /// Leaves a damaged cluster to the running repair: it is not decoded until the repair ends.
+  /// Leaves a damaged cluster to the running repair. Until the repair ends, it is not decoded.
   void postpone(std::uint32_t cluster);
 
   /// Received chunk, for decoders of the whole stream.

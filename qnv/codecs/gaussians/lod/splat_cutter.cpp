@@ -76,7 +76,7 @@ const std::vector<SplatRun>& SplatCutter::cut(const LodView& view, std::optional
   ++cuts_;
   decoded_ = 0;
   pending_ = fading_ = false;
-  // Pictures with a clock must not wait for the reading of a file.
+  // Cuts with a time must not block until a file is read.
   chunks_.set_waiting(!time);
   if (chunks_.repairing()) (void)chunks_.restore();
   const std::size_t slot = viewport_of(view.viewport);

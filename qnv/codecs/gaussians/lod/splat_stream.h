@@ -81,7 +81,7 @@ class SplatStream final : public ViewedStream {
   ///
   /// With a `time` (viewport's clock, in seconds), changes since the last cut of the viewport take a quarter of a
   /// second: the opacity of new Gaussians rises while that of the replaced ones falls. Without a time, changes
-  /// are immediate. Damaged chunks of a file are then restored now; with a time, another thread restores them.
+  /// are immediate, and the call waits for the repair of damaged chunks. With a time, it does not wait.
   [[nodiscard]] const std::vector<SplatRun>& cut(const LodView& view, std::optional<double> time = {}) {
     return cutter_.cut(view, time);
   }

@@ -12,16 +12,17 @@ static_assert(sizeof(SplatModels) % sizeof(std::uint32_t) == 0);
 static_assert(std::has_unique_object_representations_v<SplatModels>);
 using ModelWords = std::array<std::uint32_t, kModelWords>;
 
-const ModelWords& fresh_words() {
-  static const ModelWords words = std::bit_cast<ModelWords>(SplatModels());
-  return words;
+const ModelWords& fresh_words(bool trained) {
+  static const std::array<ModelWords, 2> words{std::bit_cast<ModelWords>(SplatModels()),
+                                               std::bit_cast<ModelWords>(SplatModels(true))};
+  return words[trained ? 1 : 0];
 }
 
 }  // namespace
 
-StoredModels::StoredModels(const SplatModels& models) {
+StoredModels::StoredModels(const SplatModels& models) : trained_(models.trained != 0) {
   const ModelWords words = std::bit_cast<ModelWords>(models);
-  const ModelWords& fresh = fresh_words();
+  const ModelWords& fresh = fresh_words(trained_);
   std::array<std::uint32_t, kMaskWords> masks{};
   words_ = kMaskWords;
   for (std::size_t i = 0; i < kModelWords; ++i) {
@@ -39,7 +40,7 @@ StoredModels::StoredModels(const SplatModels& models) {
 }
 
 void StoredModels::load(SplatModels& models) const {
-  ModelWords words = fresh_words();
+  ModelWords words = fresh_words(trained_);
   const std::uint32_t* next = data_.get() + kMaskWords;
   for (std::size_t i = 0; i < kMaskWords; ++i)
     for (std::uint32_t left = data_[i]; left != 0; left &= left - 1)

@@ -16,6 +16,7 @@ class StoredModels {
   [[nodiscard]] std::size_t bytes() const { return words_ * sizeof(std::uint32_t); }
 
  private:
+  bool trained_;
   std::size_t words_ = 0;
   std::unique_ptr<std::uint32_t[]> data_;  // one bit per word of the models, 1 if changed; then the changed words
 };

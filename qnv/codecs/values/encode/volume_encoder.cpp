@@ -112,7 +112,7 @@ VolumeEncoder::LevelPieces VolumeEncoder::pieces_of(int level) const {
   return {layout_.first_of(level), blocks[2], blocks[0] * blocks[1]};
 }
 
-// Returns the pieces of this rank. If there are enough rows, ranks share rows, so that no row is transformed twice.
+// Returns the pieces of this rank. If there are enough rows, each rank has whole rows, so none is transformed twice.
 RankShare VolumeEncoder::share_of_level(const LevelPieces& pieces) const {
   constexpr std::uint64_t kEnough = 4;  // rows per rank
   if (pieces.rows < kEnough * ranks_.count()) return share_of(ranks_, pieces.size());
@@ -193,7 +193,7 @@ std::optional<EncodeError> VolumeEncoder::read_low(int level, std::uint32_t slic
   return EncodeError{"cannot read the samples of level " + std::to_string(level - 1) + " again: " + store_.problem()};
 }
 
-// Restores a piece that an earlier run finished. Returns false if there is none, or if it has blocks of other pieces.
+// Restores a piece that an earlier run finished. Returns false if there is none, or if it has blocks of another piece.
 bool VolumeEncoder::restore_piece(const std::string& work, const LevelPieces& pieces, std::uint64_t piece) {
   const auto result = store_.finished(work);
   if (!result || result->size() < sizeof(PieceResult) ||
@@ -215,7 +215,7 @@ bool VolumeEncoder::restore_piece(const std::string& work, const LevelPieces& pi
   return true;
 }
 
-// Records a piece as finished. If it is the first one of `row`, stores the low samples of the row before.
+// Records a piece as finished. If `row` is given, first stores the low samples of this row.
 bool VolumeEncoder::finish_piece(const std::string& work, int level, std::optional<std::uint32_t> row,
                                  const PieceBegin& begin, LevelSlices& slices) {
   PieceResult& result = pieces_[begin.pieces];
@@ -245,7 +245,7 @@ bool VolumeEncoder::take(std::uint64_t first, std::uint32_t count, LevelSlices& 
   // depend on the number of threads.
   const std::uint32_t part = least_ ? kBlocksBetween : kBlocksAtOnce;
   for (std::uint32_t i = 0; i < count; i += part) {
-    // Sums of errors do not depend on the ranks, because each piece has an own sum.
+    // Each piece has its own sum of errors, so that the total does not depend on the ranks.
     if (i % kBlocksAtOnce == 0) pieces_.push_back({first + i, 0, 0});
     if (!take_part(first + i, std::min(part, count - i), slices, last_plane)) return false;
   }

@@ -59,7 +59,7 @@ class VolumeEncoder {
     std::uint64_t first_block = 0, low = 0;
     double rest = 0;
   };
-  /// Size of the store, and numbers of pieces and of clusters before a piece.
+  /// State before a piece: size of the store, and numbers of pieces and of clusters.
   struct PieceBegin {
     std::uint64_t offset = 0;
     std::size_t pieces = 0, clusters = 0;
@@ -100,7 +100,7 @@ class VolumeEncoder {
   Ranks& ranks_;
   std::vector<StoredCluster> clusters_;
   std::vector<PieceResult> pieces_;  // of this rank
-  std::vector<PieceResult> lows_;    // first pieces of the rows of all ranks, for the previous level
+  std::vector<PieceResult> lows_;    // first pieces of all rows of the previous level, for read_low()
   double rest_ = 0;
   std::optional<LeastRank> least_;  // null without a limited size
   std::optional<EncodeError> problem_;

@@ -225,7 +225,7 @@ bool equal(std::span<const qnv::Triangle> a, std::span<const qnv::Triangle> b) {
   });
 }
 
-/// Checks the triangles that ranks return. They keep their stores and finished work.
+/// Checks the triangles that ranks return. `state` keeps their stores and finished work.
 void check_ranks(const LargeGrid& grid, qnv::SharedMemory& state, std::span<const qnv::Triangle> triangles) {
   const auto count = static_cast<std::uint32_t>(state.stores.size());
   std::vector<std::vector<qnv::Triangle>> results(count);
@@ -360,7 +360,7 @@ TEST_CASE("ranks that share a grid return the triangles of one process, with any
     qnv::SharedMemory state(count);
     check_ranks(*grid, state, triangles);
     CHECK(state.restored == 0);
-    // A later run uses what an earlier run has finished. Results are missing, as after an end at any moment.
+    // A later run uses the results of an earlier run. Some are missing, as if the earlier run had ended at any moment.
     const auto finished = state.finished;
     const auto repeat_without = [&](const std::vector<std::string>& works) {
       state.finished = finished;

@@ -27,7 +27,7 @@ TEST_CASE("stops a turn that used its processor time, not one that waited for a 
   REQUIRE(engine);
   const std::string late = "late";
   bool waited = false, quick = false;
-  // The machine may be so busy that a turn waits for over a second. Such a turn is stopped; try again.
+  // On a busy machine, a turn may wait for over a second. The engine stops such a turn, and the test tries again.
   for (int attempts = 0; attempts < 20 && !quick; ++attempts) {
     script::Engine::Turn turn(*engine, kSeconds, std::size_t{64} << 20, late);
     const Clock::time_point began = Clock::now();

@@ -131,7 +131,7 @@ TEST_CASE("Gaussians survive a stream within the stated errors") {
     CHECK(most_scale <= errors.scale + 1e-3);
     CHECK(most_opacity <= errors.opacity + 1e-3);
     CHECK(most_color <= errors.color[1] + 1e-3);
-    CHECK(most_harmonic <= gaussians::kHarmonicStep * errors.color[1] + 1e-3);
+    CHECK(most_harmonic <= gaussians::harmonic_factor(true) * errors.color[1] + 1e-3);
   }
 }
 
@@ -344,6 +344,10 @@ TEST_CASE("decoders of Gaussians refuse hostile heads and headers") {
   coding.steps = 33;
   CHECK(!decode_gaussian_coding(encode_gaussian_coding(coding)));
   coding.steps = -32;
+  coding.trained = true;
+  coding.fine = 5;
+  CHECK(!decode_gaussian_coding(encode_gaussian_coding(coding)));
+  coding.fine = 4;
   const Bytes section = encode_gaussian_coding(coding);
   CHECK(decode_gaussian_coding(section) == coding);
   for (std::size_t n = 0; n < section.size(); ++n) CHECK(!decode_gaussian_coding(std::span(section).first(n)));
@@ -375,10 +379,10 @@ TEST_CASE("decoders of Gaussians refuse hostile heads and headers") {
   CHECK(decoder.vectors() == 0);
 }
 
-// encode_gaussians once wrote tests/qnv/vectors/v1/gaussians_cloud.qnv, _part and _coarse. gaussians_decode.py, written
-// from FORMAT.md alone, made the .txt files. Never regenerate any.
+// encode_gaussians once wrote gaussians_cloud.qnv, _part, _coarse and _trained in tests/qnv/vectors/v1. Only the last
+// one has trained models. gaussians_decode.py, written from FORMAT.md alone, made the .txt files. Never regenerate any.
 TEST_CASE("decodes pinned streams of Gaussians bit for bit") {
-  for (const std::string name : {"gaussians_cloud", "gaussians_part", "gaussians_coarse"}) {
+  for (const std::string name : {"gaussians_cloud", "gaussians_part", "gaussians_coarse", "gaussians_trained"}) {
     const Bytes bytes = read_bytes(name + ".qnv");
     const Gaussians found = decoded(bytes);
     const std::size_t per = harmonic_count(found.degree);
@@ -406,6 +410,31 @@ TEST_CASE("decodes pinned streams of Gaussians bit for bit") {
       CHECK(line.substr(0, leaf - 1) + line.substr(leaf + 1) == text);
     }
     CHECK(i == found.size());
+  }
+}
+
+TEST_CASE("refines the scales and opacities of splats with finer steps") {
+  const Gaussians source = test::splat_cloud(300);
+  for (const auto& [steps, fine] : {std::pair(0, 0), std::pair(-6, 1), std::pair(-32, 4)}) {
+    EncodeOptions options;
+    options.splat_steps = steps;
+    const EncodedStream stream = stream_of(source, options);
+    CHECK(stream.header.gaussians.fine == fine);
+    const Gaussians back = decoded(stream.bytes);
+    REQUIRE(back.size() == 300);
+    const gaussians::SplatErrors errors = gaussians::splat_errors(steps, true, fine);
+    double most_scale = 0, most_opacity = 0;
+    for (std::size_t i = 0; i < source.size(); ++i) {
+      glm::vec3 scales = source.scales[i];
+      std::ranges::sort(&scales[0], &scales[0] + 3, std::ranges::greater{});
+      const std::size_t j = most_similar(back, source, i, scales);
+      for (int k = 0; k < 3; ++k)
+        most_scale = std::max<double>(most_scale, std::exp(std::abs(std::log(back.scales[j][k] / scales[k]))) - 1);
+      most_opacity = std::max<double>(most_opacity, std::abs(back.opacities[j] - source.opacities[i]));
+    }
+    CHECK(most_scale <= errors.scale + 1e-3);
+    CHECK(most_opacity <= errors.opacity + 1e-4);
+    CHECK(most_scale > errors.scale / 2);
   }
 }
 

@@ -62,7 +62,7 @@ TEST_CASE("merged Gaussians conserve visible opacity x area, positions and colou
     CHECK(glm::length(part.position - whole.position) < 1e-4 * whole.weight);
     CHECK(glm::length(part.color - whole.color) < 1e-4 * whole.weight);
   }
-  // A look covers as much as the blob, unless the opacity would exceed the largest growth.
+  // A look covers as much as the blob, unless this needs more than the maximum growth.
   std::size_t kept = 0, all = 0;
   for (const std::uint32_t i : cut(*tree, 20)) {
     if ((*tree)[i].leaf()) continue;
@@ -96,7 +96,7 @@ TEST_CASE("merged Gaussians cover once what their leaves cover twice") {
 TEST_CASE("colours of hidden Gaussians do not change merged ones") {
   // A white ball around a black one.
   Gaussians ball;
-  for (const float radius : {1.0f, 0.8f}) {
+  for (const float radius : {1.0f, 0.6f}) {
     for (int i = 0; i < 2000; ++i) {
       const float y = 1 - (2 * static_cast<float>(i) + 1) / 2000, turn = 2.399963f * static_cast<float>(i);
       const float r = std::sqrt(1 - y * y);
@@ -110,7 +110,7 @@ TEST_CASE("colours of hidden Gaussians do not change merged ones") {
   }
   const auto tree = MergeTree::build(ball, 2, nullptr);
   REQUIRE(tree);
-  CHECK((*tree)[tree->root()].blob.color.x > 0.85f);
+  CHECK((*tree)[tree->root()].blob.color.x > 0.75f);
 }
 
 TEST_CASE("trees of Gaussians do not depend on the number of threads") {

@@ -236,7 +236,7 @@ TEST_CASE("a later run uses the parts of Gaussians that an earlier run has finis
   CHECK(state.restored == 0);
   const std::size_t parts = state.finished.size() / 2;  // each part has a tree and chunks
   REQUIRE(parts > 8);
-  // Every third result is missing, and two results are those of other parts.
+  // Removes every third result, and exchanges two of the others.
   std::size_t i = 0;
   std::erase_if(state.finished, [&](const auto&) { return i++ % 3 == 0; });
   const std::size_t kept = state.finished.size();

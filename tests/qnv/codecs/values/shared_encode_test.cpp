@@ -162,7 +162,7 @@ TEST_CASE("shared encoding: Components and time series have the same bytes, too"
 }
 
 TEST_CASE("shared encoding: A later run uses the rows that an earlier run has finished") {
-  const bool flat = GENERATE(false, true);  // ranks share rows of flat volumes
+  const bool flat = GENERATE(false, true);  // in a flat volume, ranks share the blocks of a row
   const VolumeSource volume = flat ? integers(2112, 520, 2) : integers(40, 33, 150);
   const std::vector<std::byte> alone = encode_alone(volume, {});
   SharedMemory first(3);

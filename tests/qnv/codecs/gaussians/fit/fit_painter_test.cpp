@@ -75,7 +75,7 @@ TEST_CASE("the gradient of a picture of Gaussians is that of small differences")
     }
     const auto opacity = [](FitGaussian& one, float step) { one.opacity *= std::exp(step); };
     CHECK(gradient[i].opacity == Approx(slope(i, opacity, 0.01f)).epsilon(0.05).margin(0.05));
-    // Moves in the plane of the picture, because the change of the projection does not count.
+    // Moves only in the plane of the picture, because the gradient omits changes of the projection.
     for (int k = 0; k < 2; ++k) {
       const auto move = [&](FitGaussian& one, float step) { one.mean[k] += step; };
       CHECK(gradient[i].mean[k] == Approx(slope(i, move, 0.004f)).epsilon(0.05).margin(0.5));

@@ -8,7 +8,7 @@
 namespace gs::qnv::splat_stream_test {
 namespace {
 
-/// Source in a file that other threads can read from the beginning only after open().
+/// Source in memory. After `begin_` is set, reads of this offset wait for open().
 class GatedSource final : public ChunkSource {
  public:
   explicit GatedSource(Bytes bytes) : bytes_(memory_source(std::move(bytes))) {}
@@ -25,7 +25,7 @@ class GatedSource final : public ChunkSource {
     open_ = true;
     opened_.notify_all();
   }
-  std::atomic<std::uint64_t> begin_ = ~std::uint64_t{0};  // readers of this offset wait
+  std::atomic<std::uint64_t> begin_ = ~std::uint64_t{0};  // reads of this offset wait; none by default
 
  private:
   std::shared_ptr<const ChunkSource> bytes_;
@@ -87,7 +87,7 @@ TEST_CASE("draws cuts with a clock while damaged chunks of Gaussians are restore
   const auto source = std::make_shared<GatedSource>(damaged);
   const Stream stream = opened(SplatStream::open(source));
   source->begin_ = 0;
-  // The source blocks the reading of the whole file until the cut is there.
+  // The source blocks the reading of the whole file until open().
   const std::size_t first = count_of(stream->cut(closest_view(), 1.0));
   CHECK(first > 0);
   CHECK(first < 6000);
