@@ -26,14 +26,16 @@ using qnv::EncodeError;
 constexpr char kPrinted[] = "\x01";
 
 // Returns a text that identifies the version, the task, and the sizes and times of its input files.
-std::string key_of(const EncodeTeam& team, const std::vector<std::string>& files) {
+std::string key_of(const EncodeTeam& team, const EncodeInput& opened) {
   std::string key = "ghostspace " GHOSTSPACE_VERSION "\n" + team.task();
-  for (const std::string& file : files) {
+  for (const std::string& file : opened.steps) {
     std::error_code error;
     const auto size = std::filesystem::file_size(file, error);
     const auto time = std::filesystem::last_write_time(file, error).time_since_epoch().count();
     key += "\n" + std::to_string(size) + " " + std::to_string(time);
   }
+  // A file may name others, such as the pieces of a grid.
+  if (const auto* const grid = std::get_if<LargeGrid>(&opened.input.content)) key += "\n" + grid->source->state();
   return key;
 }
 
@@ -115,7 +117,7 @@ std::optional<std::string> TogetherEncoding::exceeds_memory() const {
 bool TogetherEncoding::prepare() {
   std::optional<std::string> problem;
   if (leads())
-    if (auto failed = net::prepare_part_folder(folder_, key_of(team_, opened_->steps), options_.resume))
+    if (auto failed = net::prepare_part_folder(folder_, key_of(team_, *opened_), options_.resume))
       problem = std::move(failed->message);
   if (!agreed(problem)) return false;
   const std::uint32_t free = leads() ? net::free_part_number(folder_) : 0;

@@ -76,8 +76,9 @@ IdleHandles& idle_handles() {
 
 class CurlTransport final : public HttpTransport {
  public:
-  explicit CurlTransport(const LoaderOptions& options)
-      : options_(options), multi_(idle_handles().take()), rate_(options.bytes_per_second) {
+  explicit CurlTransport(const LoaderOptions& options) : options_(options), rate_(options.bytes_per_second) {
+    // With a bandwidth limit, connections need small receive buffers.
+    if (options.bytes_per_second == 0) multi_ = idle_handles().take();
     if (multi_) return;
     // curl counts the calls of this function. They are thread-safe since curl 7.84.
     curl().curl_global_init(CURL_GLOBAL_DEFAULT);

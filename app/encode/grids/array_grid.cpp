@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <mutex>
+#include <set>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -155,6 +157,7 @@ class ArrayGrid final : public GridSource {
   }
 
   [[nodiscard]] bool is_changed(std::size_t) const override { return on_disk_.is_changed(); }
+  [[nodiscard]] std::string state() const override { return on_disk_.state(); }
   [[nodiscard]] std::string message(std::size_t, const std::string& text) const override { return text; }
   [[nodiscard]] std::variant<GridPartArrays, std::string> open(std::size_t part) const override {
     if (on_disk_.is_changed()) return std::string(kChangedGridFile);
@@ -209,12 +212,33 @@ bool is_sound(const GridPartRows& part) {
          part.values.columns <= kMostGridComponents;
 }
 
+// Returns the arrays in chunks that the cache of a reader may not hold. Reading a block would unpack a whole chunk.
+std::set<std::string_view> arrays_in_large_chunks(const ArrayFile& file, std::uint64_t memory) {
+  const auto most = static_cast<double>(std::clamp<std::uint64_t>(memory / 8, 1 << 20, 64 << 20));  // the cache
+  std::set<std::string_view> large;
+  for (const ArrayInfo& array : file.arrays()) {
+    double bytes = array.chunk.empty() ? 0 : static_cast<double>(size_of(array.type)) * array.parts;
+    for (const std::uint64_t edge : array.chunk) bytes *= static_cast<double>(edge);
+    if (bytes > most) large.insert(array.path);
+  }
+  return large;
+}
+
+bool uses_any(const GridPartRows& part, const std::set<std::string_view>& arrays) {
+  const auto named = [&](const ArrayRows& rows) { return arrays.contains(rows.path); };
+  return std::ranges::any_of(part.places, named) || named(part.types) || named(part.ends) || named(part.corners) ||
+         named(part.values) || named(part.hidden_points) || named(part.hidden_cells);
+}
+
 }  // namespace
 
 std::optional<LargeGrid> open_array_grid(const VolumeFile& file, std::uint64_t memory) {
   if (!may_exceed(file.content.bytes.size(), memory)) return std::nullopt;
   auto opened = open_dataset_grid(file);
   if (!opened || !std::ranges::all_of(opened->rows.parts, is_sound)) return std::nullopt;
+  const auto large = arrays_in_large_chunks(*opened->file, memory);
+  if (std::ranges::any_of(opened->rows.parts, [&](const GridPartRows& part) { return uses_any(part, large); }))
+    return std::nullopt;
   LargeGrid grid;
   grid.title = opened->rows.title;
   grid.shows_values = opened->rows.has_values;

@@ -49,6 +49,8 @@ struct GridFile {
   /// If no file has the exact name, ignores upper and lower case, as the readers of headers do.
   [[nodiscard]] static GridFile find(const std::string& grid, const std::string& name, std::uint64_t size);
   [[nodiscard]] bool is_changed() const;
+  /// Returns the size and the time of the last change, as a text.
+  [[nodiscard]] std::string state() const;
 };
 
 /// File or files of a grid.
@@ -59,6 +61,8 @@ class GridSource {
   [[nodiscard]] virtual std::variant<GridPartArrays, std::string> open(std::size_t part) const = 0;
   /// Reports whether another program changed the file of a part since the grid was opened.
   [[nodiscard]] virtual bool is_changed(std::size_t part) const = 0;
+  /// Returns a text that differs if a file of the grid differs. For results that an earlier run of the program stored.
+  [[nodiscard]] virtual std::string state() const = 0;
   /// Returns an error text that begins with the file of the part. Omits the first file, because callers name it.
   [[nodiscard]] virtual std::string message(std::size_t part, const std::string& text) const = 0;
 };

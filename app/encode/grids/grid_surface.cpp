@@ -288,9 +288,8 @@ class GridSurfaceMaker {
     // An element of `work` is a part, and the first of kTogether points and cells.
     std::vector<std::pair<std::uint32_t, std::uint64_t>> work;
     for (std::uint32_t part = 0; part < grid_.parts.size(); ++part) {
-      const LargeGrid::Part& of = grid_.parts[part];
-      for (std::uint64_t first = 0; first < std::max(of.points, of.cells); first += kTogether)
-        work.emplace_back(part, first);
+      const std::uint64_t most = std::max(grid_.own_points(part), grid_.parts[part].cells);
+      for (std::uint64_t first = 0; first < most; first += kTogether) work.emplace_back(part, first);
     }
     const qnv::RankShare own = qnv::share_of(shared_.ranks(), work.size());
     for (std::uint64_t i = own.first; i < own.end; ++i) {
@@ -298,8 +297,7 @@ class GridSurfaceMaker {
       const auto [number, first] = work[static_cast<std::size_t>(i)];
       const auto opened = reader_.part(number);
       if (const auto* const problem = std::get_if<std::string>(&opened)) return EncodeError{*problem};
-      const bool has_own_points = number == 0 || grid_.parts[number - 1].space != grid_.parts[number].space;
-      if (!survey_rows(*std::get<GridPartReader*>(opened), first, has_own_points))
+      if (!survey_rows(*std::get<GridPartReader*>(opened), first, grid_.own_points(number) > 0))
         return EncodeError{grid_.source->message(number, "the arrays are damaged")};
       if (progress_) progress_->done += kTogether;
     }

@@ -21,12 +21,9 @@ constexpr double kFaceBytes = 120, kCornerBytes = 8, kPointBytes = 40;
 // Returns the bytes that an importer needs to find the surface. Assumes hexahedra, because it does not read the types.
 double import_bytes(const LargeGrid& grid) {
   double bytes = 0;
-  for (std::size_t i = 0; i < grid.parts.size(); ++i) {
-    const LargeGrid::Part& part = grid.parts[i];
-    const bool has_own_points = i == 0 || grid.parts[i - 1].space != part.space;
-    bytes += (has_own_points ? static_cast<double>(part.points) * kPointBytes : 0) +
-             static_cast<double>(part.cells) * (6 * kFaceBytes + 8 * kCornerBytes);
-  }
+  for (std::size_t i = 0; i < grid.parts.size(); ++i)
+    bytes += static_cast<double>(grid.own_points(i)) * kPointBytes +
+             static_cast<double>(grid.parts[i].cells) * (6 * kFaceBytes + 8 * kCornerBytes);
   return bytes;
 }
 
@@ -54,6 +51,14 @@ bool GridFile::is_changed() const {
          std::filesystem::last_write_time(path, error) != changed_at || error;
 }
 
+std::string GridFile::state() const {
+  return std::to_string(size) + " " + std::to_string(changed_at.time_since_epoch().count());
+}
+
+std::uint64_t LargeGrid::own_points(std::size_t part) const {
+  return part > 0 && parts[part - 1].space == parts[part].space ? 0 : parts[part].points;
+}
+
 std::optional<LargeGrid> open_large_grid(const VolumeFile& file, std::uint64_t memory) {
   const bool needs_all =
       file.component.colors.range == SurfaceColors::Range::contrast || file.component.flow != FlowForm::values;
@@ -63,7 +68,9 @@ std::optional<LargeGrid> open_large_grid(const VolumeFile& file, std::uint64_t m
   if (!grid || import_bytes(*grid) <= static_cast<double>(memory)) return std::nullopt;
   grid->choice = file.component;
   std::uint64_t runs = 0;
-  for (const LargeGrid::Part& part : grid->parts) runs += 1 + part.cells / LargeGrid::kRunCells;
+  // A small file may state any number of points and cells.
+  for (std::size_t i = 0; i < grid->parts.size(); ++i)
+    runs += 1 + std::max(grid->own_points(i), grid->parts[i].cells) / LargeGrid::kRunCells;
   if (runs > LargeGrid::kMostRuns) return std::nullopt;
   for (std::uint32_t part = 0; part < grid->parts.size(); ++part)
     for (std::uint64_t first = 0; first < grid->parts[part].cells; first += LargeGrid::kRunCells)

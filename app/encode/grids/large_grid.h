@@ -38,6 +38,9 @@ struct LargeGrid {
   std::string title;  // of the shown values, for a colour key; empty for colours, and without values
   std::vector<Part> parts;
   std::vector<Run> runs;
+
+  /// Returns the number of points of a part, or 0 if the part before has the same points.
+  [[nodiscard]] std::uint64_t own_points(std::size_t part) const;
 };
 
 /// Opens an unstructured grid if an importer would need more than `memory` bytes for its surface. Reads only headers.

@@ -49,6 +49,11 @@ class VtkGrid final : public GridSource {
   }
 
   [[nodiscard]] bool is_changed(std::size_t part) const override { return on_disk_[pieces_[part].file].is_changed(); }
+  [[nodiscard]] std::string state() const override {
+    std::string state;
+    for (const GridFile& file : on_disk_) state += file.state() + "\n";
+    return state;
+  }
   [[nodiscard]] std::string message(std::size_t part, const std::string& text) const override {
     const std::size_t file = pieces_[part].file;
     return files_.files[file].path.empty() ? text : on_disk_[file].path + ": " + text;

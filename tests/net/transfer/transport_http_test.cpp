@@ -322,6 +322,8 @@ TEST_CASE("keeps connections for the next loader, and none with a bandwidth limi
   site.start();
   for (const std::uint64_t rate : {1'000'000, 0, 0}) load_alone(rate);
   CHECK(site.server->statistics().accepted == 2);
+  load_alone(1'000'000);
+  CHECK(site.server->statistics().accepted == 3);
   // If the server has closed its idle connections, the next loader opens a new one.
   const std::uint16_t port = site.port;
   site.server.reset();

@@ -10,6 +10,8 @@ namespace gs::app {
 namespace {
 
 constexpr double kMostVtkhdfRows = 1e15;  // exact in a double
+// Maximum number of parts that are read in parts. Each takes about 1 KB, and two small reads of the file.
+constexpr std::size_t kMostVtkhdfParts = std::size_t{1} << 17;
 
 /// Finder of the rows of the parts of an unstructured grid.
 class VtkhdfRows {
@@ -21,7 +23,9 @@ class VtkhdfRows {
     if (step_.choose(choice_)) return std::nullopt;
     const auto points = counts("/VTKHDF/NumberOfPoints"), cells = counts("/VTKHDF/NumberOfCells"),
                ids = counts("/VTKHDF/NumberOfConnectivityIds");
-    if (points.empty() || cells.size() != points.size() || ids.size() != points.size()) return std::nullopt;
+    if (points.empty() || points.size() > kMostVtkhdfParts || cells.size() != points.size() ||
+        ids.size() != points.size())
+      return std::nullopt;
     const bool of_points = is_in_folder(shown_, kVtkhdfPointData), of_cells = is_in_folder(shown_, kVtkhdfCellData);
     const double first_point = step_.offset("PointOffsets", 0), first_cell = step_.offset("CellOffsets", 0);
     double id = step_.offset("ConnectivityIdOffsets", 0), point = first_point, cell = first_cell;

@@ -183,6 +183,21 @@ for k, change in enumerate((lambda g: g.__delitem__('Types'), lambda g: g['Offse
                             lambda g: g['NumberOfCells'].__setitem__(0, 2**40))):
     write('bad%d.vtkhdf' % k, 1)
     with h5py.File('bad%d.vtkhdf' % k, 'r+') as f: change(f['VTKHDF'])
+# Values in a chunk that exceeds caches, and more parts than the program lists.
+write('chunk.vtkhdf', 1); write('parts.vtkhdf', 1)
+with h5py.File('chunk.vtkhdf', 'r+') as f:
+    heat = f['VTKHDF/PointData/heat'][:]; del f['VTKHDF/PointData/heat']
+    f.create_dataset('VTKHDF/PointData/heat', data=heat, chunks=(10**6,), maxshape=(None,), compression='gzip')
+with h5py.File('parts.vtkhdf', 'r+') as f:
+    for k in ('NumberOfPoints', 'NumberOfCells', 'NumberOfConnectivityIds'):
+        many = np.concatenate([f['VTKHDF/' + k][:], np.zeros(2**17, 'i8')]); del f['VTKHDF/' + k]; f['VTKHDF/' + k] = many
+# A small file that states very many points.
+with h5py.File('sparse.vtkhdf', 'w') as f:
+    g = f.create_group('VTKHDF'); g.attrs['Version'] = [2, 0]; g.attrs['Type'] = np.bytes_('UnstructuredGrid')
+    most, count = 2**31 - 2, 200
+    g['NumberOfPoints'] = [most] * count; g['NumberOfCells'] = [1] * count; g['NumberOfConnectivityIds'] = [8] * count
+    g.create_dataset('Points', (most * count, 3), 'f4', chunks=(1024, 3))
+    g['Connectivity'] = np.zeros(8 * count, 'i4'); g['Offsets'] = [0, 8] * count; g['Types'] = np.full(count, 12, 'u1')
 )"))
     return;
   const auto problem_of = [&](const std::string& path) -> std::string {
@@ -200,6 +215,10 @@ for k, change in enumerate((lambda g: g.__delitem__('Types'), lambda g: g['Offse
     CHECK_FALSE(problem_of(folder.path("bad" + std::to_string(k) + ".vtkhdf")).empty());
   }
   CHECK_FALSE(opened_arrays(folder.path("one.vtkhdf"), choice_of("heat"), 100 << 20));
+  CHECK_FALSE(opened_arrays(folder.path("sparse.vtkhdf"), choice_of("/VTKHDF/Points")));
+  CHECK_FALSE(opened_arrays(folder.path("parts.vtkhdf"), choice_of("heat")));
+  CHECK_FALSE(opened_arrays(folder.path("chunk.vtkhdf"), choice_of("heat")));
+  CHECK(opened_arrays(folder.path("chunk.vtkhdf"), choice_of("load")));
 }
 
 }  // namespace gs::app::array_grid_test

@@ -493,6 +493,10 @@ TEST_CASE("notices that a file of a grid changed although its size did not, and 
   REQUIRE(pieces);
   fs::last_write_time(piece, fs::last_write_time(piece) + std::chrono::seconds(2));
   CHECK(problem_of(*pieces) == piece + ": another program changed the file; encode it again");
+  const auto again = opened(folder.path("grid.pvtu"));
+  REQUIRE(again);
+  CHECK(again->source->state() != pieces->source->state());
+  CHECK(opened(folder.path("grid.pvtu"))->source->state() == again->source->state());
 }
 
 }  // namespace gs::app::grid_surface_test
