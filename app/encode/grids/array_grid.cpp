@@ -38,13 +38,14 @@ class RowNumbers final : public GridNumbers {
     bool fits = found->type != NumberType::none && found->shape.size() > axis;
     for (std::size_t i = 0; fits && i < axis; ++i) fits = rows.before[i] < found->shape[i];
     fits = fits && rows.first <= found->shape[axis] && rows.rows <= found->shape[axis] - rows.first;
-    if (!fits) return rows.path + " has too few rows, or no numbers; expected " + std::to_string(rows.rows) + " rows of numbers";
+    if (!fits)
+      return rows.path + " has too few rows, or no numbers; expected " + std::to_string(rows.rows) + " rows of numbers";
     std::uint64_t stored = found->parts;
     for (std::size_t i = axis + 1; i < found->shape.size() && stored <= kMostRowNumbers; ++i)
       stored *= std::max<std::uint64_t>(1, found->shape[i]);
     if (stored > kMostRowNumbers || rows.columns > stored || rows.columns == 0)
-      return rows.path + " has " + (stored > kMostRowNumbers ? "too many" : "too few") + " numbers in a row; expected " +
-             std::to_string(rows.columns) + " to " + std::to_string(kMostRowNumbers);
+      return rows.path + " has " + (stored > kMostRowNumbers ? "too many" : "too few") +
+             " numbers in a row; expected " + std::to_string(rows.columns) + " to " + std::to_string(kMostRowNumbers);
     return std::unique_ptr<GridNumbers>(new RowNumbers(std::move(arrays), rows, *found, stored));
   }
 
