@@ -15,6 +15,7 @@ namespace gs::render {
 namespace {
 
 constexpr std::size_t kMostSampled = 65536;
+constexpr std::size_t kMostTested = std::size_t{1} << 22;  // pairs of a sampled centre and a volume
 constexpr float kSlabPixels = 16;  // pixels of the shared region, along its longer side, per slab
 
 /// Returns the bounds of a geometry in world space. Returns empty bounds if it has other content, or no box.
@@ -93,15 +94,20 @@ std::optional<SharedDepths> shared_depths(std::span<const GaussianItem> items, s
                                           const SplatView& view) {
   std::size_t total = 0;
   for (const GaussianItem& item : items) total += item.count;
-  const std::size_t step = (total + kMostSampled - 1) / kMostSampled;
+  const std::size_t step =
+      std::max((total + kMostSampled - 1) / kMostSampled, (total * volumes.size() + kMostTested - 1) / kMostTested);
   SharedRegion region;
   for (const VolumeBox& volume : volumes) {
     const glm::mat4 volume_from_camera = glm::inverse(volume.camera_from_node);
     std::size_t next = 0;  // first splat of the sample in the item
     for (const GaussianItem& item : items) {
-      const glm::mat4 volume_from_node = volume_from_camera * item.camera_from_node;
       const std::size_t count =
           std::min(item.count, item.gaussians->size() - std::min(item.first, item.gaussians->size()));
+      if (next >= count) {
+        next -= count;
+        continue;
+      }
+      const glm::mat4 volume_from_node = volume_from_camera * item.camera_from_node;
       for (; next < count; next += step) {
         const glm::vec4 position(item.gaussians->positions[item.first + next], 1);
         const glm::vec3 inside(volume_from_node * position);

@@ -60,12 +60,12 @@ void SplatForest::add_cluster(std::span<const std::byte> payload) {
       wait(waiting_, packed->head.parent, next);
     } else if (usable) {
       const std::vector<SplatNode> parents = parents_of(packed->head, parent);
-      auto models = parent && parent->models ? std::make_shared<SplatModels>(*parent->models)
-                                             : std::make_shared<SplatModels>(precision_.trained);
+      SplatModels models(precision_.trained);
+      if (parent && parent->models) parent->models->load(models);
       std::vector<NodeOrigin> origins;
       std::vector<SplatNode> nodes;
       const bool decoded = !parents.empty() && !(parent && !parent->models) &&
-                           decode_nodes(packed->bytes, parents, parent != nullptr, *models, precision_, nodes,
+                           decode_nodes(packed->bytes, parents, parent != nullptr, models, precision_, nodes,
                                         degree_ > 0 ? &origins : nullptr);
       const std::size_t size = nodes.size();
       // Replaced Gaussians stay in memory, because other clusters may replace the rest of their cluster.
@@ -82,7 +82,7 @@ void SplatForest::add_cluster(std::span<const std::byte> payload) {
             --parent->inner;
             --shown_;
           }
-          if (parent->inner == 0) parent->models = nullptr;
+          if (parent->inner == 0) parent->models.reset();
         } else {
           rooted_ = true;
         }
@@ -95,7 +95,7 @@ void SplatForest::add_cluster(std::span<const std::byte> payload) {
         held.origins = std::move(origins);
         held.nodes = std::move(nodes);
         held.replaced.resize(size);
-        if (held.inner > 0) held.models = std::move(models);
+        if (held.inner > 0) held.models.emplace(models);
         shown_ += size;
         nodes_ += size;
         for (auto& waited : take_waiting(waiting_, packed->head.id)) ready.push_back(std::move(waited));

@@ -1,12 +1,13 @@
 #pragma once
 
+#include "qnv/codecs/gaussians/lod/stored_models.h"
 #include "qnv/codecs/gaussians/splat_cluster.h"
 #include "qnv/codecs/shared/decoder.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,9 +16,9 @@ namespace gs::qnv::gaussians {
 /// Received cluster.
 struct HeldCluster {
   std::vector<SplatNode> nodes;
-  std::vector<bool> replaced;                 // one per Gaussian: its children were received
-  std::shared_ptr<const SplatModels> models;  // at its end; null once all Gaussians are final or replaced
-  std::size_t inner = 0;                      // Gaussians that are neither final nor replaced
+  std::vector<bool> replaced;          // one per Gaussian: its children were received
+  std::optional<StoredModels> models;  // at its end; empty once all Gaussians are final or replaced
+  std::size_t inner = 0;               // Gaussians that are neither final nor replaced
   std::uint32_t level = 0;
   std::uint32_t parent = ClusterHead::kNoParent;
   std::vector<NodeOrigin> origins;   // parents are indexes in the parent cluster; empty in streams without harmonics

@@ -81,7 +81,7 @@ class Canvas {
   /// Blends a spot. Returns the mean squared light that reaches it, or -1 if it touches no pixel.
   float blend(const Spot& s) {
     const float determinant = s.xx * s.yy - s.xy * s.xy;
-    if (!(determinant > 0)) return -1;
+    if (!(determinant > 0 && s.xx > 0)) return -1;
     const auto first = [](float v) { return std::max(static_cast<int>(std::ceil(v - 0.5f)), 0); };
     const auto last = [&](float v) { return std::min(static_cast<int>(std::floor(v - 0.5f)), pixels_ - 1); };
     const float rx = std::min(std::sqrt(2 * kEnd * s.xx), kMostRadius),
@@ -95,7 +95,8 @@ class Canvas {
         const float dx = static_cast<float>(x) + 0.5f - s.at.x;
         const float power = a * dx * dx + b * dx * dy + c * dy * dy;
         if (!(power < kEnd)) continue;
-        const float alpha = s.opacity * exp_(power);
+        // Rounding may give long splats a power below 0.
+        const float alpha = s.opacity * exp_(std::max(power, 0.0f));
         all += alpha;
         if (row[x] < kOpaque) continue;
         passed += alpha * row[x] * row[x];

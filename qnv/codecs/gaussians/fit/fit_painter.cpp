@@ -19,6 +19,8 @@ constexpr float kFitFarthestTangent = 1.3f;
 constexpr float kFitBackground = 0.5f, kFitClearWeight = 0.25f;
 // Gaussians that a thread projects at a time.
 constexpr std::size_t kFitRange = 2048;
+// Maximum entries in the lists of all tiles. In larger lists, the farthest Gaussians are missing.
+constexpr std::size_t kFitMostListed = std::size_t{1} << 23;
 
 /// Returns the product of a covariance and a vector.
 inline glm::vec3 fit_product(const std::array<float, 6>& c, const glm::vec3& v) {
@@ -117,7 +119,14 @@ void FitPainter::for_tiles(const FitSplat& splat, const Each& each) const {
 
 void FitPainter::fill_tiles() {
   first_.assign(tiles() + 1, 0);
-  for (const FitSplat& splat : splats_) for_tiles(splat, [&](std::size_t tile) { ++first_[tile + 1]; });
+  std::size_t listed = 0, count = 0;
+  for (; count < splats_.size() && listed < kFitMostListed; ++count)
+    for_tiles(splats_[count], [&](std::size_t tile) {
+      ++first_[tile + 1];
+      ++listed;
+    });
+  splats_.resize(count);
+  seen_.resize(count);
   for (std::size_t tile = 0; tile < tiles(); ++tile) first_[tile + 1] += first_[tile];
   order_.resize(first_.back());
   std::vector<std::size_t> next = first_;

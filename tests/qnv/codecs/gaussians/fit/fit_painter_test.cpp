@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 #include <glm/geometric.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <random>
@@ -170,6 +171,23 @@ TEST_CASE("pictures of the fit accept extreme Gaussians") {
   (void)painter.differentiate(gaussians, front_camera(), FitPixels(32 * 32), gradient);
   CHECK(gradient.size() == gaussians.size());
   CHECK(!gradient[3].visible);
+}
+
+TEST_CASE("pictures of the fit omit the farthest of too many large Gaussians") {
+  std::vector<FitGaussian> gaussians(9000);
+  for (std::size_t i = 0; i < gaussians.size(); ++i) {
+    gaussians[i].mean.z = 1e-4f * static_cast<float>(i);
+    gaussians[i].covariance = {100, 0, 0, 100, 0, 100};
+    gaussians[i].opacity = 0.9f;
+  }
+  FitPainter painter(512, {}, 1);
+  std::vector<FitGradient> gradient;
+  (void)painter.differentiate(gaussians, front_camera(), FitPixels(512 * 512), gradient);
+  const auto visible = std::ranges::count(gradient, true, &FitGradient::visible);
+  CHECK(visible > 8000);
+  CHECK(visible < 8300);
+  CHECK(gradient.front().visible);
+  CHECK(!gradient.back().visible);
 }
 
 }  // namespace gs::qnv::gaussians::fit_painter_test
