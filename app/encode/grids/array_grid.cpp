@@ -42,7 +42,7 @@ class RowNumbers final : public GridNumbers {
       return rows.path + " has too few rows, or no numbers; expected " + std::to_string(rows.rows) + " rows of numbers";
     std::uint64_t stored = found->parts;
     for (std::size_t i = axis + 1; i < found->shape.size() && stored <= kMostRowNumbers; ++i)
-      stored *= std::max<std::uint64_t>(1, found->shape[i]);
+      stored *= std::clamp<std::uint64_t>(found->shape[i], 1, kMostRowNumbers + 1);  // the product does not wrap around
     if (stored > kMostRowNumbers || rows.columns > stored || rows.columns == 0)
       return rows.path + " has " + (stored > kMostRowNumbers ? "too many" : "too few") +
              " numbers in a row; expected " + std::to_string(rows.columns) + " to " + std::to_string(kMostRowNumbers);

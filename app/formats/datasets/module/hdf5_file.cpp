@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -130,6 +131,7 @@ class Hdf5File final : public ArrayFile {
     if (first.size() != array.shape.size() || count.size() != array.shape.size()) return "its axes differ";
     for (std::size_t i = 0; i < count.size(); ++i) {
       if (first[i] > array.shape[i] || count[i] > array.shape[i] - first[i]) return "the part lies outside";
+      if (count[i] > 0 && bytes > std::numeric_limits<std::uint64_t>::max() / count[i]) return "the part is too large";
       bytes *= count[i];
     }
     if (bytes != to.size()) return "the size differs";

@@ -180,7 +180,11 @@ TEST_CASE("grids of VTKHDF and Exodus II with damaged arrays give errors or no f
   if (!test::run_python(folder, std::string(kGridScript) + R"(
 for k, change in enumerate((lambda g: g.__delitem__('Types'), lambda g: g['Offsets'].__setitem__(3, 10**6),
                             lambda g: g['NumberOfPoints'].__setitem__(1, 10**9),
-                            lambda g: g['NumberOfCells'].__setitem__(0, 2**40))):
+                            lambda g: g['NumberOfCells'].__setitem__(0, 2**40),
+                            # The numbers of a row, 2**64 + 2, wrap around to 2.
+                            lambda g: (g.__delitem__('PointData/heat'), g.create_dataset(
+                                'PointData/heat', (400, 3, (2**64 + 2) // 3), 'f4', chunks=(1, 1, 1024)
+                            ).__setitem__((0, 0, 0), 1)))):
     write('bad%d.vtkhdf' % k, 1)
     with h5py.File('bad%d.vtkhdf' % k, 'r+') as f: change(f['VTKHDF'])
 # Values in a chunk that exceeds caches, and more parts than the program lists.
@@ -210,7 +214,7 @@ with h5py.File('sparse.vtkhdf', 'w') as f:
   };
   CHECK(problem_of(folder.path("one.vtkhdf")).empty());
   CHECK_THAT(problem_of(folder.path("broken.vtkhdf")), Catch::Contains("no faces"));
-  for (int k = 0; k < 4; ++k) {
+  for (int k = 0; k < 5; ++k) {
     CAPTURE(k);
     CHECK_FALSE(problem_of(folder.path("bad" + std::to_string(k) + ".vtkhdf")).empty());
   }

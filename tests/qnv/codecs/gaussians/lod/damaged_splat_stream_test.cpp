@@ -182,7 +182,7 @@ TEST_CASE("clusters that replace Gaussians of others are left out") {
   REQUIRE(id > 1'000'001);
   const Gaussians cut = gathered(stream->cut(closest_view()));
   CHECK(cut.size() <= 3000);
-  // Merged Gaussians cover less than their leaves together. Gaussians beside their replacements would cover twice as much.
+  // Merged Gaussians cover less than their leaves together. Gaussians beside their replacements would double the area.
   CHECK(opacity_area(cut) == Approx(opacity_area(decoded(encoded.bytes))).epsilon(0.3));
   REQUIRE_FALSE(stream->problems().empty());
   CHECK(stream->problems()[0].message == "a cluster replaces Gaussians of another one, or none");
