@@ -1,7 +1,11 @@
 #include "app/script/engine/engine.h"
 #include "base/thread_time.h"
 
+#include <js/GlobalObject.h>
 #include <js/Interrupt.h>
+#include <js/Realm.h>
+#include <js/RootingAPI.h>
+#include <jsapi.h>
 
 #include <catch2/catch.hpp>
 
@@ -15,6 +19,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr double kSeconds = 0.02;
 
+/// Reports whether the engine lets the program of this turn continue.
 bool goes_on(script::Engine& engine) {
   JS_RequestInterruptCallback(engine.context());
   return JS_CheckForInterrupt(engine.context());
@@ -25,6 +30,11 @@ bool goes_on(script::Engine& engine) {
 TEST_CASE("stops a turn that used its processor time, not one that waited for a processor") {
   script::Engine* const engine = script::Engine::of_this_thread();
   REQUIRE(engine);
+  static const JSClass kind{"global", JSCLASS_GLOBAL_FLAGS, &JS::DefaultGlobalClassOps};
+  const JS::RootedObject global(engine->context(), JS_NewGlobalObject(engine->context(), &kind, nullptr,
+                                                                      JS::FireOnNewGlobalHook, JS::RealmOptions()));
+  REQUIRE(global);
+  const JSAutoRealm realm(engine->context(), global);
   const std::string late = "late";
   bool waited = false, quick = false;
   // On a busy machine, a turn may wait for over a second. The engine stops such a turn, and the test tries again.
