@@ -30,7 +30,7 @@ bool goes_on(script::Engine& engine) {
 TEST_CASE("stops a turn that used its processor time, not one that waited for a processor") {
   script::Engine* const engine = script::Engine::of_this_thread();
   REQUIRE(engine);
-  static const JSClass kind{"global", JSCLASS_GLOBAL_FLAGS, &JS::DefaultGlobalClassOps};
+  static const JSClass kind{"global", JSCLASS_GLOBAL_FLAGS, &JS::DefaultGlobalClassOps, nullptr, nullptr, nullptr};
   const JS::RootedObject global(engine->context(), JS_NewGlobalObject(engine->context(), &kind, nullptr,
                                                                       JS::FireOnNewGlobalHook, JS::RealmOptions()));
   REQUIRE(global);
