@@ -2,9 +2,7 @@
 #include <array>
 #include <chrono>
 #include <cstring>
-#include <deque>
 #include <memory>
-#include <mutex>
 #include <string_view>
 #include <unordered_map>
 #include <utility>
@@ -18,6 +16,7 @@
 #include "net/http/http_proxy.h"
 #include "net/limits/shared_rate.h"
 #include "net/transfer/curl_failures.h"
+#include "net/transfer/idle_handles.h"
 #include "net/transfer/ssh_transfers.h"
 #include "net/transfer/transport.h"
 
@@ -26,8 +25,6 @@ namespace {
 
 /// Maximum bytes of an unneeded body (redirect or error) that are read to keep the connection open.
 constexpr std::size_t kMaxDiscarded = std::size_t{16} << 10;
-/// Maximum number of idle connections.
-constexpr long kIdleConnections = 32;
 /// Bytes of a block. A compressed block is small, because it can grow a thousandfold and curl holds it while the queue
 /// is full.
 constexpr long kCompressedBlock = 16 << 10;
@@ -37,55 +34,12 @@ constexpr Milliseconds kLongestHold{1000};
 /// With a rate limit: bytes that the system may buffer for a connection.
 constexpr std::uint64_t kMinAhead = 4 << 10, kMaxAhead = 1 << 20;
 
-/// Maximum number of handles with idle connections that wait for the next transport.
-constexpr std::size_t kMostIdleHandles = 4;
-
-using MultiHandle = std::unique_ptr<CURLM, FreeMulti>;
-
-/// Multi handles of ended transports. They keep idle connections for the next transport. For example, each version of a
-/// followed world has its own loader. Each request on a connection checks the address. Any thread.
-class IdleHandles {
- public:
-  [[nodiscard]] MultiHandle take() {
-    const std::lock_guard lock(mutex_);
-    if (idle_.empty()) return nullptr;
-    MultiHandle newest = std::move(idle_.back());
-    idle_.pop_back();
-    return newest;
-  }
-  /// Keeps a handle without transfers. Drops the oldest one if there are too many.
-  void keep(MultiHandle handle) {
-    MultiHandle dropped;  // destroyed after the lock, so that its connections close without it
-    const std::lock_guard lock(mutex_);
-    idle_.push_back(std::move(handle));
-    if (idle_.size() <= kMostIdleHandles) return;
-    dropped = std::move(idle_.front());
-    idle_.pop_front();
-  }
-
- private:
-  std::mutex mutex_;
-  std::deque<MultiHandle> idle_;  // newest last
-};
-
-IdleHandles& idle_handles() {
-  // Never destroyed, because threads may end after static objects.
-  static IdleHandles& handles = *new IdleHandles;
-  return handles;
-}
-
 class CurlTransport final : public HttpTransport {
  public:
   explicit CurlTransport(const LoaderOptions& options) : options_(options), rate_(options.bytes_per_second) {
     // With a bandwidth limit, connections need small receive buffers.
     if (options.bytes_per_second == 0) multi_ = idle_handles().take();
-    if (multi_) return;
-    // curl counts the calls of this function. They are thread-safe since curl 7.84.
-    curl().curl_global_init(CURL_GLOBAL_DEFAULT);
-    multi_.reset(curl().curl_multi_init());
-    CURLM* const multi = multi_.get();
-    curl().curl_multi_setopt(multi, CURLMOPT_MAXCONNECTS, kIdleConnections);
-    curl().curl_multi_setopt(multi, CURLMOPT_PIPELINING, static_cast<long>(CURLPIPE_MULTIPLEX));
+    if (!multi_) multi_ = new_handle();
   }
   ~CurlTransport() override {
     for (auto& [id, transfer] : transfers_) curl().curl_multi_remove_handle(multi_.get(), transfer->easy.get());

@@ -4,6 +4,7 @@
 #include "app/encode/surface_triangles.h"
 #include "render/scene/render_list.h"
 #include "tests/app/formats_helpers.h"
+#include "tests/app/surface_triangles.h"
 #include "tests/watched.h"
 
 #include <catch2/catch.hpp>
@@ -53,14 +54,7 @@ MeshTriangles triangles_of_mesh(const std::string& text, const char* type) {
   Diagnostics diagnostics;
   Asset asset = test::type_named(type).read({mesh_bytes(text), path, {}, budget, diagnostics});
   const MeshSurface surface = mesh_surface(std::move(std::get<MeshAsset>(asset)), path, budget, diagnostics);
-  MeshTriangles all;
-  (void)for_each_triangle(
-      surface,
-      [&](std::span<const qnv::Triangle> some) {
-        all.insert(all.end(), some.begin(), some.end());
-        return true;
-      },
-      glm::dvec3(0));
+  MeshTriangles all = test::triangles_of(surface);
   CHECK(surface.summary.triangles == all.size());
   return all;
 }

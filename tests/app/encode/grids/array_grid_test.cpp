@@ -3,6 +3,7 @@
 #include "app/encode/grids/grid_surface.h"
 #include "tests/app/formats/datasets/dataset_helpers.h"
 #include "tests/app/scratch_folder.h"
+#include "tests/app/surface_triangles.h"
 #include "tests/qnv/thread_ranks.h"
 
 #include <catch2/catch.hpp>
@@ -119,14 +120,7 @@ void check_surface(const std::string& path, const VoxelComponent& choice, std::s
   const auto input = open_input(options, path);
   REQUIRE(input);
   const auto& whole = std::get<MeshSurface>(input->content);
-  std::vector<qnv::Triangle> imported;
-  (void)for_each_triangle(
-      whole,
-      [&](std::span<const qnv::Triangle> some) {
-        imported.insert(imported.end(), some.begin(), some.end());
-        return true;
-      },
-      glm::dvec3(0));
+  const std::vector<qnv::Triangle> imported = test::triangles_of(whole);
   CHECK(imported.size() == triangles.size());
   CHECK(corners_of(triangles, stream.origin) == corners_of(imported, glm::dvec3(0)));
   REQUIRE(whole.color_key);

@@ -5,6 +5,7 @@
 #include "app/encode/grids/outer_faces.h"
 #include "base/gzip.h"
 #include "tests/app/scratch_folder.h"
+#include "tests/app/surface_triangles.h"
 #include "tests/qnv/thread_ranks.h"
 
 #include <catch2/catch.hpp>
@@ -273,14 +274,7 @@ TEST_CASE("a grid that is read in parts has the same surface as its import") {
   const auto input = open_input(options, path);
   REQUIRE(input);
   const auto& whole = std::get<MeshSurface>(input->content);
-  std::vector<qnv::Triangle> imported;
-  (void)for_each_triangle(
-      whole,
-      [&](std::span<const qnv::Triangle> some) {
-        imported.insert(imported.end(), some.begin(), some.end());
-        return true;
-      },
-      glm::dvec3(0));
+  const std::vector<qnv::Triangle> imported = test::triangles_of(whole);
   CHECK(imported.size() == triangles.size());
   CHECK(area_of(triangles) == Approx(area_of(imported)).epsilon(0.01));
   REQUIRE(whole.color_key);
