@@ -20,6 +20,7 @@
 #include "qnv/codecs/displaced/surface.h"
 #include "qnv/codecs/gaussians/lod/splat_stream.h"
 #include "qnv/codecs/gaussians/splat_cluster.h"
+#include "qnv/codecs/gaussians/splat_steps.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/outlines/outline_stream.h"
 #include "qnv/codecs/payloads.h"
@@ -167,18 +168,23 @@ void put_values(JsonValue& facts, const qnv::StreamHeader& header, const qnv::Ge
   if (values.rms) facts.put("error_rms", *values.rms);
 }
 
-// Adds the properties of a stream of Gaussians, and the errors at its end.
+std::string_view name_of(qnv::GaussianCoding::Version version) {
+  using Version = qnv::GaussianCoding::Version;
+  return version == Version::plain ? "plain" : version == Version::trained ? "trained" : "tuned";
+}
+
+// Adds the properties of a stream of Gaussians, and the errors at its end: those of important ones, and the largest.
 void put_gaussians(JsonValue& facts, const qnv::StreamHeader& header) {
-  const qnv::gaussians::SplatErrors errors =
-      qnv::gaussians::splat_errors(header.gaussians.steps, header.gaussians.trained, header.gaussians.fine);
+  const qnv::gaussians::SplatErrors errors = qnv::gaussians::splat_errors(header.gaussians);
+  const auto both = [](const std::array<double, 2>& values) { return JsonValue::list({values[0], values[1]}); };
   facts.put("harmonics", header.gaussians.degree);
   facts.put("antialiased", header.gaussians.antialiased);
-  facts.put("trained_models", header.gaussians.trained);
-  facts.put("errors_at_the_end",
-            JsonValue::named({{"position_in_deviations", JsonValue::list({errors.place[0], errors.place[1]})},
-                              {"deviation", errors.scale},
-                              {"opacity", errors.opacity},
-                              {"color", JsonValue::list({errors.color[0], errors.color[1]})}}));
+  facts.put("coding", name_of(header.gaussians.version));
+  facts.put("errors_at_the_end", JsonValue::named({{"position_in_deviations", both(errors.place)},
+                                                   {"deviation", both(errors.scale)},
+                                                   {"shortest_deviation", both(errors.thin)},
+                                                   {"opacity", both(errors.opacity)},
+                                                   {"color", both(errors.color)}}));
 }
 
 void put_levels(JsonValue& facts, const qnv::StreamHeader& header, const qnv::VectorView& shown,

@@ -9,8 +9,8 @@
 namespace gs::qnv {
 namespace {
 
-// Bit of the byte of the degree. Readers without trained models refuse the degree.
-constexpr int kTrainedFlag = 16;
+// Place of the version in the byte of the degree. Readers of earlier versions refuse the degree.
+constexpr int kVersionShift = 4;
 // Place of the number of fine bits in the flags.
 constexpr int kFineShift = 4;
 
@@ -21,7 +21,7 @@ std::vector<std::byte> encode_gaussian_coding(const GaussianCoding& coding) {
   ByteWriter write(out);
   write.integer(static_cast<std::int16_t>(coding.important));
   write.integer(static_cast<std::int16_t>(coding.finest));
-  write.integer(static_cast<std::uint8_t>(coding.degree | (coding.trained ? kTrainedFlag : 0)));
+  write.integer(static_cast<std::uint8_t>(coding.degree | static_cast<int>(coding.version) << kVersionShift));
   write.integer(static_cast<std::uint8_t>((coding.antialiased ? 1 : 0) | coding.fine << kFineShift));
   write.integer(static_cast<std::int8_t>(coding.steps));
   return out;
@@ -33,11 +33,13 @@ std::optional<GaussianCoding> decode_gaussian_coding(std::span<const std::byte> 
   coding.important = read.integer<std::int16_t>();
   coding.finest = read.integer<std::int16_t>();
   const auto degree = read.integer<std::uint8_t>();
-  coding.trained = (degree & kTrainedFlag) != 0;
-  coding.degree = degree & ~kTrainedFlag;
+  const int version = degree >> kVersionShift;
+  if (version > static_cast<int>(GaussianCoding::Version::tuned)) return std::nullopt;
+  coding.version = static_cast<GaussianCoding::Version>(version);
+  coding.degree = degree & ((1 << kVersionShift) - 1);
   const auto flags = read.integer<std::uint8_t>();
   coding.antialiased = (flags & 1) != 0;
-  coding.fine = coding.trained ? flags >> kFineShift : 0;
+  coding.fine = coding.version == GaussianCoding::Version::trained ? flags >> kFineShift : 0;
   coding.steps = read.integer<std::int8_t>();
   if (!read.good() || coding.degree > Gaussians::kMaxDegree || coding.fine > GaussianCoding::kMostFine ||
       coding.finest < 0 || coding.finest > GaussianCoding::kMostScale ||

@@ -16,9 +16,16 @@ struct GaussianCoding {
   int steps = 0;             // log2 of a factor of all steps, in eighths; at most kMostSteps in magnitude
   int degree = 0;            // of the spherical harmonics, 0 to 3
   bool antialiased = false;  // as Gaussians::antialiased
-  bool trained = false;      // models start with a table, and steps are those of streams with it
 
-  // Bits that refine the scales and opacities of leaves; at most kMostFine, and 0 unless `trained`.
+  /// Coding of the Gaussians. Encoders write the last one.
+  enum class Version : std::uint8_t {
+    plain,
+    trained,  // models start with a table
+    tuned,    // as trained; each property of a leaf has its own steps, which depend more on the importance
+  };
+  Version version = Version::plain;
+
+  // Bits that refine the scales and opacities of leaves; at most kMostFine, and 0 unless `version` is `trained`.
   std::uint8_t fine = 0;
 
   static constexpr int kMostSteps = 32, kMostScale = 639, kMostFine = 4;

@@ -10,7 +10,7 @@
 #include "app/loading/updates/limit_report.h"
 #include "base/text.h"
 #include "qnv/codecs/encode.h"
-#include "qnv/codecs/gaussians/splat_code.h"
+#include "qnv/codecs/gaussians/splat_steps.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/reader/decode_stream.h"
 #include "qnv/sampling/volume/component_values.h"

@@ -3,7 +3,7 @@
 #include "app/insitu/arrays/gather_records.h"
 #include "app/insitu/arrays/value_colors.h"
 #include "qnv/codecs/encode.h"
-#include "qnv/codecs/gaussians/splat_code.h"
+#include "qnv/codecs/gaussians/splat_steps.h"
 
 #include <algorithm>
 #include <cmath>
@@ -142,10 +142,10 @@ std::optional<std::string> encode_particles(const ParticleValues& particles, qnv
   }
   splats.description.total = static_cast<double>(area) * static_cast<double>(splats.size());
   splats.description.metadata = options.metadata;
-  // Chooses steps so fine that the errors of positions are at most kParticleError.
+  // Chooses steps so fine that the errors of positions are at most kParticleError. All particles are equally important.
   constexpr int kEighths = 8;
   for (options.splat_steps = 0; options.splat_steps > -qnv::GaussianCoding::kMostSteps; options.splat_steps -= kEighths)
-    if (qnv::gaussians::splat_errors(options.splat_steps).place[1] * kDeviation <= kParticleError) break;
+    if (qnv::gaussians::splat_errors(options.splat_steps).place[0] * kDeviation <= kParticleError) break;
   auto encoded = qnv::encode(std::cref(splats), {qnv::Payload::gaussians, std::move(options)});
   if (auto* problem = std::get_if<qnv::EncodeError>(&encoded)) return std::move(problem->message);
   bytes = std::move(std::get<qnv::Encoding>(encoded).stream.bytes);

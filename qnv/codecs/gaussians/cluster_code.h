@@ -2,6 +2,7 @@
 
 #include "qnv/codecs/gaussians/splat_code.h"
 #include "qnv/codecs/gaussians/splat_models.h"
+#include "qnv/codecs/gaussians/splat_steps.h"
 
 #include <algorithm>
 #include <array>
@@ -30,9 +31,28 @@ void code_scale(Coder& coder, SplatModels& models, const SplatNode& parent, cons
   code.scales[0] = std::clamp(scale + change, 0, kMostScale >> coarse) << coarse;
 }
 
+/// Codes the smallest scale of a Gaussian of a tuned stream by its difference from the middle one.
+template <class Coder>
+void code_thin_gap(Coder& coder, SplatModels& models, int known, SplatCode& code) {
+  constexpr int kEscape = 15;
+  const std::size_t leaf = code.leaf ? 1 : 0;
+  const int coarse = code.leaf ? 0 : 1;
+  const int index = cell_index((code.scales[1] - code.scales[2]) >> coarse);
+  const auto context =
+      std::min<std::size_t>(static_cast<std::size_t>(cell_index(known >> coarse)) / 2, TrainedModels::kContexts - 1);
+  auto coded = static_cast<int>(
+      models.own.gaps[1][leaf].code_short(coder, context, static_cast<std::uint32_t>(std::min(index, kEscape))));
+  if (coded == kEscape) {
+    const std::uint32_t far = models.own.far_gaps[1].code(coder, static_cast<std::uint32_t>(index - kEscape));
+    coded += static_cast<int>(std::min(far, static_cast<std::uint32_t>(kMostScale)));
+  }
+  code.scales[2] = std::max(code.scales[1] - (gap_cell(coded).middle() << coarse), 0);
+}
+
 /// Codes the other scales of a Gaussian by their differences.
 template <class Coder>
-void code_gaps(Coder& coder, SplatModels& models, const SplatNode& parent, const SplatCode* sibling, SplatCode& code) {
+void code_gaps(Coder& coder, SplatModels& models, const SplatNode& parent, const SplatCode* sibling, SplatCode& code,
+               const Precision& precision) {
   const std::size_t leaf = code.leaf ? 1 : 0;
   const int coarse = code.leaf ? 0 : 1;
   for (std::size_t k = 1; k < 3; ++k) {
@@ -43,6 +63,7 @@ void code_gaps(Coder& coder, SplatModels& models, const SplatNode& parent, const
     if (models.trained) {
       using Tree = TreeModel<TrainedModels::kContexts>;
       const int known = sibling ? (inherited + beside) / 2 : inherited;
+      if (k == 2 && precision.tuned()) return code_thin_gap(coder, models, known, code);
       const auto context = std::min<std::size_t>(static_cast<std::size_t>(known) / 6, TrainedModels::kContexts - 1);
       coded = models.own.gaps[k - 1][leaf].code(coder, context, std::min(gap, Tree::kMost));
       if (coded == Tree::kMost) coded += models.own.far_gaps[k - 1].code(coder, gap - Tree::kMost);
@@ -78,6 +99,17 @@ void code_opacity(Coder& coder, SplatModels& models, const SplatNode& parent, co
   code.opacity = std::clamp(opacity << coarse | coarse, 1, kMostOpacity);
 }
 
+/// Codes the bits that refine the scales and the opacity of a leaf.
+template <class Coder>
+std::array<int, 4> code_fine(Coder& coder, const SplatCode& code, const Precision& precision) {
+  std::array<int, 4> fine{};
+  if (!code.leaf) return fine;
+  const FineBits bits = fine_bits(code, precision);
+  for (std::size_t k = 0; k < 4; ++k)
+    if (bits[k] > 0) fine[k] = static_cast<int>(coder.bits(static_cast<std::uint32_t>(code.fine[k]), bits[k]));
+  return fine;
+}
+
 /// Codes a Gaussian, and returns its shape. With a Writer, `code` is the input; with a Reader, it is the result.
 /// `sibling` is the previous Gaussian with the same parent, or null.
 template <class Coder>
@@ -86,19 +118,17 @@ SplatShape code_splat(Coder& coder, SplatModels& models, const SplatNode& parent
   code.leaf = coder.bit(models.leaf[sibling ? (sibling->leaf ? 2 : 1) : 0], code.leaf);
   const std::size_t leaf = code.leaf ? 1 : 0;
   code_scale(coder, models, parent, sibling, code);
-  code_gaps(coder, models, parent, sibling, code);
+  code_gaps(coder, models, parent, sibling, code, precision);
   code_opacity(coder, models, parent, sibling, code);
-  if (code.leaf && precision.fine > 0)
-    for (int& part : code.fine) part = static_cast<int>(coder.bits(static_cast<std::uint32_t>(part), precision.fine));
-  else
-    code.fine = {};
+  code.fine = code_fine(coder, code, precision);
 
   const SplatSteps steps = steps_of(code, precision);
+  const int most_turn = precision.tuned() ? kMostTunedTurn : kMostTurn;
   for (std::size_t k = 0; k < 3; ++k) {
     const int size = size_of(0.25 / steps.turn[k]);
     const int turn = models.trained ? models.turn[leaf][k].code_shared(coder, size, code.turn[k])
                                     : models.turn[leaf][k].code(coder, size, code.turn[k]);
-    code.turn[k] = std::clamp(turn, -kMostTurn, kMostTurn);
+    code.turn[k] = std::clamp(turn, -most_turn, most_turn);
   }
   const glm::vec4 rotation = turned(parent.rotation, code.turn, steps.turn);
   const SplatAxes axes = axes_of(rotation);

@@ -3,6 +3,7 @@
 #include "qnv/base/geometry.h"
 #include "qnv/codecs/gaussians/splat_code.h"
 #include "qnv/codecs/gaussians/splat_models.h"
+#include "qnv/codecs/gaussians/splat_steps.h"
 
 #include <array>
 #include <cstddef>
@@ -45,7 +46,7 @@ bool code_harmonics(Coder& coder, HarmonicModels& models, int degree,
   code.leaf = node.leaf;
   for (std::size_t k = 0; k < 3; ++k) code.scales[k] = node.scales[k];
   code.opacity = node.opacity;
-  return harmonic_factor(precision.trained) * steps_of(code, precision).color;
+  return harmonic_factor(precision) * steps_of(code, precision).color;
 }
 
 }  // namespace gs::qnv::gaussians

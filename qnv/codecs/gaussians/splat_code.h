@@ -21,16 +21,19 @@ inline constexpr int kScaleSteps = 8, kLeastOctave = -40, kMostScale = GaussianC
 /// Highest code of an opacity, which means 1. The code 0 is not used.
 inline constexpr int kMostOpacity = 63;
 /// Limits of codes in a stream.
-inline constexpr std::int32_t kMostPlace = 1 << 24, kMostColor = 1 << 14, kMostTurn = 255;
+inline constexpr std::int32_t kMostPlace = 1 << 24, kMostColor = 1 << 14, kMostTurn = 255, kMostTunedTurn = 2047;
 
 /// Properties of a stream that decide the steps.
 struct Precision {
-  int important = 0;     // importance() of the Gaussians with the finest steps
-  int finest = 0;        // scale below which details count as points
-  int steps = 0;         // log2 of a factor of all steps, in eighths
-  Box box;               // of all positions
-  bool trained = false;  // as GaussianCoding::trained
-  int fine = 0;          // as GaussianCoding::fine
+  int important = 0;  // importance() of the Gaussians with the finest steps
+  int finest = 0;     // scale below which details count as points
+  int steps = 0;      // log2 of a factor of all steps, in eighths
+  Box box;            // of all positions
+  GaussianCoding::Version version = GaussianCoding::Version::plain;
+  int fine = 0;  // as GaussianCoding::fine
+
+  [[nodiscard]] bool trained() const { return version != GaussianCoding::Version::plain; }
+  [[nodiscard]] bool tuned() const { return version == GaussianCoding::Version::tuned; }
 };
 
 /// Decoded Gaussian of a cluster.
@@ -53,12 +56,6 @@ struct SplatCode {
   std::array<int, 3> turn{}, place{}, color{};
 };
 
-/// Steps of the other codes of a Gaussian.
-struct SplatSteps {
-  std::array<double, 3> place, turn;
-  double color = 0;
-};
-
 /// Rotation matrix by columns.
 using SplatAxes = std::array<std::array<double, 3>, 3>;
 
@@ -68,6 +65,12 @@ struct SplatFrame {
   std::array<double, 3> scales;
 };
 
+/// Steps of the codes of a Gaussian (splat_steps.h).
+struct SplatSteps {
+  std::array<double, 3> place, turn;
+  double color = 0;
+};
+
 /// Values of a Gaussian that follow from its scales, opacity and turn.
 struct SplatShape {
   SplatSteps steps;
@@ -75,35 +78,11 @@ struct SplatShape {
   SplatAxes axes;
 };
 
-/// Maximum errors of final Gaussians. `place` is in standard deviations along each axis; a thin axis counts as an
-/// eighth of the longest one. `scale` is relative to the deviation. The first number of an array holds for the most
-/// important Gaussians, the second one for all.
-struct SplatErrors {
-  std::array<double, 2> place, color;
-  double scale, opacity;
-};
-[[nodiscard]] SplatErrors splat_errors(int steps = 0, bool trained = true, int fine = 0);
-/// Returns the number of fine bits for such steps.
-[[nodiscard]] int fine_bits(int steps);
-
-/// Returns the step of harmonics, relative to that of the colour of the same Gaussian.
-[[nodiscard]] double harmonic_factor(bool trained);
-
 [[nodiscard]] double scale_of(int code);
 [[nodiscard]] double opacity_of(int code);
-/// Return the scale of an axis and the opacity of a Gaussian with `bits` fine bits.
-[[nodiscard]] double scale_of(const SplatNode& node, std::size_t axis, int bits);
-[[nodiscard]] double opacity_of(const SplatNode& node, int bits);
-/// Return the fine bits of values with a known code.
-[[nodiscard]] int fine_scale(double scale, int code, int bits);
-[[nodiscard]] int fine_opacity(double opacity, int code, int bits);
 /// Returns the code with the nearest value.
 [[nodiscard]] int scale_code(double scale);
 [[nodiscard]] int opacity_code(double opacity);
-/// Returns the importance of a Gaussian in pictures: log2 of its area times its squared opacity, kScaleSteps an octave.
-[[nodiscard]] int importance(const std::array<int, 3>& scales, int opacity);
-/// Returns the steps of a Gaussian with known scales and opacity.
-[[nodiscard]] SplatSteps steps_of(const SplatCode& code, const Precision& precision);
 /// Returns the rotation matrix of a unit quaternion x, y, z, w.
 [[nodiscard]] SplatAxes axes_of(const glm::vec4& q);
 [[nodiscard]] SplatFrame frame_of(const SplatNode& parent);

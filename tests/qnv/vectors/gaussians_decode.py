@@ -125,11 +125,14 @@ class Models:
             z += 1
         return (1 << z | coder.bits(z)) - 1 + steps
 
-    def tree(self, coder, context, *key):
+    def branch(self, coder, context, *key):
         node = 1
         for _ in range(4):
             node = node << 1 | coder.yes(self[key + ("high", context, node - 1)])
-        top, node = node - 16, 1
+        return node - 16
+
+    def tree(self, coder, context, *key):
+        top, node = self.branch(coder, context, *key), 1
         for _ in range(2):
             node = node << 1 | coder.yes(self[key + ("low", top, node - 1)])
         return top << 2 | node - 4
@@ -153,16 +156,74 @@ class Models:
         return value
 
 
-def importance(s, a):
+def faintness(a):
     m = 0
     while m > -48 and a / 63 < power(m):
         m -= 1
-    return s[0] + s[1] + 2 * m
+    return m
+
+
+def less_important(s, a, header):
+    floor = header["finest"] + 28 if header["tuned"] else 0
+    return int((header["important"] - (max(s[0], floor) + max(s[1], floor) + 2 * faintness(a))) / 2)
+
+
+def cell_index(gap):
+    return gap if gap < 4 else 4 + (gap - 4) // 2 if gap < 8 else 6 + (gap - 8) // 4 if gap < 16 else 8 + (gap - 16) // 8
+
+
+def cell(index):
+    """Returns the smallest gap and the width of a cell."""
+    if index < 4:
+        return index, 1
+    return (4 + 2 * (index - 4), 2) if index < 6 else (8 + 4 * (index - 6), 4) if index < 8 else (16 + 8 * (index - 8), 8)
+
+
+def fine_bits(s, a, header):
+    if not header["tuned"]:
+        return [header["fine"]] * 4
+    less = less_important(s, a, header)
+
+    def bits(width, step, more=0):
+        return clamp((width - (header["steps"] + clamp(less + more, -8, 16) + step) + 4) // 8, 0, 8)
+
+    gap = s[1] - s[2]
+    width = {1: 0, 2: 8, 4: 16, 8: 24}[cell(cell_index(gap))[1]]
+    wide = bits(0, 8)
+    return [wide, wide, bits(width, 8 + gap * 11 // 8), bits(0, 3, faintness(a))]
+
+
+def look(node, header):
+    """Returns the deviations and the opacity of a Gaussian of a tuned stream."""
+    s, a = node["s"], node["a"]
+    if not node["leaf"]:
+        return [power(v - 320) for v in s] + [a / 63]
+    bits = fine_bits(s, a, header)
+    at = [(x + 0.5) / 2 ** n for x, n in zip(node["fine"], bits)]
+    lowest, width = cell(cell_index(s[1] - s[2]))
+    gap = lowest - 0.5 + width * at[2]
+    return [power(s[0] - 320) * 2 ** ((at[0] - 0.5) / 8), power(s[1] - 320) * 2 ** ((at[1] - 0.5) / 8),
+            power(s[1] - 320) * 2 ** (-gap / 8), min(1, (a + at[3] - 0.5) / 63)]
+
+
+def leaf_steps(s, a, header):
+    e = header["steps"] + clamp(less_important(s, a, header), -8, 16)
+    lift = (s[1] - s[2]) * 3 // 8
+    place, turn = [], []
+    for k in range(3):
+        place.append(0.1 * power(e - 2) * power(max(s[k] + (lift if k == 2 else 0), s[0] - 24, header["finest"]) - 320))
+        u, w = sorted((s[(k + 1) % 3], s[(k + 2) % 3]), reverse=True)
+        i = clamp(u - max(w, header["finest"]), 0, 40)
+        r = power(i)
+        turn.append(clamp(0.18 * power(e - 6 + (0 if k == 2 else min(lift, i))) / (r - 1 / r + 0.05), 0.0005, 0.35))
+    return place, turn, header["color"] * power(e + 8)
 
 
 def steps_of(s, a, leaf, header):
-    z = clamp(int((header["important"] - importance(s, a)) / 2), 0, header["less"])
-    f, n = power(z), (1 if leaf else header["inner"]) * power(header["steps"])
+    if leaf and header["tuned"]:
+        return leaf_steps(s, a, header)
+    z = clamp(less_important(s, a, header), 0, header["less"])
+    f, n = power(z), (1 if leaf else header["inner"]) * power(max(header["steps"], 0) if header["tuned"] else header["steps"])
     fine = n * min(f, 2.0)
     place, turn = [], []
     for k in range(3):
@@ -210,6 +271,13 @@ def child(coder, models, p, b, header):
         if trained:
             inherited = max(p["s"][k - 1] - p["s"][k], 0)
             mean = (inherited + max(g, 0)) // 2 if b else inherited
+            if header["tuned"] and k == 2:
+                index = models.branch(coder, min(cell_index(mean >> c) // 2, 7), "gap", k, one)
+                if index == 15:
+                    index += min(models.short(coder, 8, "far", k), 639)
+                lowest, width = cell(index)
+                s.append(max(0, s[1] - ((lowest + width // 2) << c)))
+                continue
             gap = models.tree(coder, min(mean // 6, 7), "gap", k, one)
             if gap == 63:
                 gap += models.short(coder, 8, "far", k)
@@ -223,10 +291,10 @@ def child(coder, models, p, b, header):
     else:
         v = ((b or p)["a"] >> c) + models.signed_by_mean(coder, 8, "opacity", one, h)
     a = clamp(v << c | c, 1, 63)
-    for _ in range(4 if leaf else 0):
-        coder.bits(header["fine"])  # the output has only codes
+    fine = [coder.bits(count) for count in fine_bits(s, a, header)] if leaf else None
     place_step, turn_step, color_step = steps_of(s, a, leaf, header)
-    t = [clamp(models.signed(coder, 10, halves(0.25 / turn_step[k]), "turn", one, k), -255, 255) for k in range(3)]
+    most = 2047 if header["tuned"] else 255
+    t = [clamp(models.signed(coder, 10, halves(0.25 / turn_step[k]), "turn", one, k), -most, most) for k in range(3)]
     rotation = turned(p["rotation"], t, turn_step)
     own, frame = axes(rotation), axes(p["rotation"])
     d = []
@@ -255,7 +323,7 @@ def child(coder, models, p, b, header):
             at += own[k][i] * (d[k] * place_step[k])
         position.append(clamp(f32(at), header["lower"][i], header["upper"][i]))
     color = [f32(old + change) for old, change in zip(p["color"], rgb(q, color_step))]
-    return {"s": s, "a": a, "leaf": leaf, "rotation": rotation, "position": position, "color": color}
+    return {"s": s, "a": a, "fine": fine, "leaf": leaf, "rotation": rotation, "position": position, "color": color}
 
 
 def numbers(payload, count):
@@ -282,11 +350,13 @@ def main():
         tag, length = struct.unpack_from("<HI", data, at)
         if tag == 10:
             header["important"], header["finest"], degree, flags, header["steps"] = struct.unpack_from("<hhBBb", data, at + 6)
-            header["degree"], header["trained"] = degree & 15, degree >> 4
-            header["fine"] = flags >> 4 if header["trained"] else 0
+            header["degree"], header["trained"], header["tuned"] = degree & 15, degree >> 4, degree >> 4 == 2
+            header["fine"] = flags >> 4 if degree >> 4 == 1 else 0
         at += 6 + length
     header["color"], header["less"], header["inner"], header["harmonic"] = \
         (1.0 / 90, 8, 4, 1.4) if header["trained"] else (1.0 / 128, 16, 3, 2)
+    if header["tuned"]:
+        header["harmonic"] = 3.5
     priors = table_of_priors() if header["trained"] else None
     edge = max(f32(b - a) for a, b in zip(lower, upper))
     scale = clamp(round(8 * (math.log2(f32(edge / 4)) + 40)), 0, 639)
@@ -352,7 +422,10 @@ def main():
             own = at["harmonics"].get(number, [0.0] * 3 * per)
             floats = node["rotation"] + node["position"] + node["color"] + own
             words = ["%08x" % struct.unpack("<I", struct.pack("<f", v + 0.0))[0] for v in floats]
-            print(*node["s"], node["a"], 1 if node["leaf"] else 0, *words)
+            values = [*node["s"], node["a"]]
+            if header["tuned"]:
+                values = ["%.9g" % value for value in look(node, header)]
+            print(*values, 1 if node["leaf"] else 0, *words)
 
 
 main()

@@ -1,4 +1,5 @@
 #include "qnv/codecs/gaussians/decode/splat_forest.h"
+#include "qnv/codecs/gaussians/splat_steps.h"
 #include "qnv/codecs/shared/decoder.h"
 
 #include <glm/geometric.hpp>
@@ -53,8 +54,8 @@ class GaussiansDecoder final : public Decoder {
     const glm::vec3 middle = box.lower + box.size() * 0.5f;
     forest_.visit_shown([&](const SplatNode& node, const glm::vec3* harmonics) {
       glm::vec3 scales;
-      for (int k = 0; k < 3; ++k)
-        scales[k] = static_cast<float>(gaussians::scale_of(node, static_cast<std::size_t>(k), forest_.fine()));
+      const gaussians::SplatLook look = gaussians::look_of(node, forest_.precision());
+      for (int k = 0; k < 3; ++k) scales[k] = static_cast<float>(look.scales[static_cast<std::size_t>(k)]);
       // The shortest axis is the normal of the disc; it points away from the middle.
       const auto axis = gaussians::axes_of(node.rotation)[2];
       glm::vec3 normal(static_cast<float>(axis[0]), static_cast<float>(axis[1]), static_cast<float>(axis[2]));
@@ -66,7 +67,7 @@ class GaussiansDecoder final : public Decoder {
       all.colors.push_back(nearest_color(node.color));
       all.scales.push_back(scales);
       all.rotations.push_back(node.rotation);
-      all.opacities.push_back(static_cast<float>(gaussians::opacity_of(node, forest_.fine())));
+      all.opacities.push_back(static_cast<float>(look.opacity));
       all.bases.push_back(node.color);
       for (std::size_t k = 0; k < per; ++k) all.harmonics.push_back(harmonics ? harmonics[k] : glm::vec3(0));
     });

@@ -60,7 +60,7 @@ void SplatForest::add_cluster(std::span<const std::byte> payload) {
       wait(waiting_, packed->head.parent, next);
     } else if (usable) {
       const std::vector<SplatNode> parents = parents_of(packed->head, parent);
-      SplatModels models(precision_.trained);
+      SplatModels models(precision_.trained());
       if (parent && parent->models) parent->models->load(models);
       std::vector<NodeOrigin> origins;
       std::vector<SplatNode> nodes;

@@ -2,6 +2,7 @@
 
 #include "qnv/codecs/gaussians/lod/stored_models.h"
 #include "qnv/codecs/gaussians/splat_cluster.h"
+#include "qnv/codecs/gaussians/splat_steps.h"
 #include "qnv/codecs/shared/decoder.h"
 
 #include <cstddef>
@@ -32,9 +33,7 @@ class SplatForest {
  public:
   /// `most` limits the number of Gaussians that geometry() returns, and the memory with it.
   SplatForest(const GaussianCoding& coding, const Box& box, std::size_t most)
-      : precision_{coding.important, coding.finest, coding.steps, box, coding.trained, coding.fine},
-        degree_(coding.degree),
-        most_(most) {}
+      : precision_(precision_of(coding, box)), degree_(coding.degree), most_(most) {}
 
   void add_cluster(std::span<const std::byte> payload);
   /// Adds harmonics of leaves, or those of other Gaussians if `coarse` is true.
@@ -45,7 +44,7 @@ class SplatForest {
   /// Reports whether any harmonics were received.
   [[nodiscard]] bool has_harmonics() const { return harmonics_; }
   [[nodiscard]] int degree() const { return degree_; }
-  [[nodiscard]] int fine() const { return precision_.fine; }
+  [[nodiscard]] const Precision& precision() const { return precision_; }
 
   /// Calls visit(node, harmonics) for each Gaussian that is shown. `harmonics` are its own, else those of its nearest
   /// ancestor with harmonics, else null.

@@ -3,6 +3,7 @@
 #include "qnv/codecs/gaussians/cluster_code.h"
 #include "qnv/codecs/gaussians/ellipsoid.h"
 #include "qnv/codecs/gaussians/encode/tree_cuts.h"
+#include "qnv/codecs/gaussians/splat_steps.h"
 
 #include <glm/gtc/quaternion.hpp>
 #include <glm/mat3x3.hpp>
@@ -92,9 +93,9 @@ class ClusterEncoder {
       shape = sorted(source_.scales[node.right], glm::mat3_cast(glm::quat(q.w, q.x, q.y, q.z)));
       code.opacity = opacity_code(source_.opacities[node.right]);
       for (std::size_t k = 0; k < 3; ++k) code.scales[k] = scale_code(shape.scales[static_cast<int>(k)]);
-      for (std::size_t k = 0; k < 3; ++k)
-        code.fine[k] = fine_scale(shape.scales[static_cast<int>(k)], code.scales[k], precision_.fine);
-      code.fine[3] = fine_opacity(source_.opacities[node.right], code.opacity, precision_.fine);
+      code.scales[2] = thinned(code.scales[1], code.scales[2], code.leaf);
+      code.fine =
+          fine_codes(code, {shape.scales.x, shape.scales.y, shape.scales.z}, source_.opacities[node.right], precision_);
     } else {
       // Half the precision.
       const BlobLook look = fitted ? BlobLook{fitted->covariance, fitted->opacity} : tree_.look(place);
@@ -102,6 +103,7 @@ class ClusterEncoder {
       code.opacity = opacity_code(look.opacity) | 1;
       for (std::size_t k = 0; k < 3; ++k)
         code.scales[k] = std::min((scale_code(shape.scales[static_cast<int>(k)]) + 1) >> 1 << 1, kMostScale - 1);
+      code.scales[2] = thinned(code.scales[1], code.scales[2], code.leaf);
     }
     const SplatSteps steps = steps_of(code, precision_);
     const glm::vec4& from = parent.rotation;
@@ -210,7 +212,7 @@ bool encode_clusters(ClusterWork& work, std::vector<OpenRange> ranges,
     OpenCluster root;
     root.nodes = {root_node(work.precision.box)};
     root.places = {work.tree.root()};
-    root.models = std::make_shared<SplatModels>(work.precision.trained);
+    root.models = std::make_shared<SplatModels>(work.precision.trained());
     encoder.divide(root, 0, 1, true, add);
   }
   for (OpenRange& range : ranges) {

@@ -1,5 +1,7 @@
 #include "qnv/codecs/gaussians/encode/stream_plan.h"
 
+#include "qnv/codecs/gaussians/splat_steps.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -21,7 +23,7 @@ bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y
 Precision precision_of(const Gaussians& source, const Box& box, float detail) {
   Precision precision;
   precision.box = box;
-  precision.trained = true;
+  precision.version = GaussianCoding::Version::tuned;
   const glm::vec3 size = precision.box.size();
   const double edge = std::max({size.x, size.y, size.z});
   precision.finest = scale_code(std::max(detail * kPoint, edge / kMostSteps));
@@ -30,7 +32,7 @@ Precision precision_of(const Gaussians& source, const Box& box, float detail) {
     std::array<int, 3> scales{};
     for (std::size_t k = 0; k < 3; ++k) scales[k] = scale_code(source.scales[i][static_cast<int>(k)]);
     std::ranges::sort(scales, std::ranges::greater{});
-    all[i] = importance(scales, opacity_code(source.opacities[i]));
+    all[i] = importance(scales, opacity_code(source.opacities[i]), precision);
   }
   const auto middle = all.begin() + static_cast<std::ptrdiff_t>(kLessImportant * static_cast<double>(all.size() - 1));
   std::ranges::nth_element(all, middle);
@@ -65,14 +67,8 @@ StreamPlan plan_of(const GaussianSource& source, const Gaussians& sample, const 
   plan.detail = detail_of(sample, whole.empty() ? box : whole);
   plan.precision = precision_of(sample, plan.header.description.box, plan.detail);
   plan.precision.steps = std::clamp(options.splat_steps, -GaussianCoding::kMostSteps, GaussianCoding::kMostSteps);
-  plan.precision.fine = fine_bits(plan.precision.steps);
-  plan.header.gaussians = {plan.precision.important,
-                           plan.precision.finest,
-                           plan.precision.steps,
-                           source.degree,
-                           source.antialiased,
-                           plan.precision.trained,
-                           static_cast<std::uint8_t>(plan.precision.fine)};
+  plan.header.gaussians = {plan.precision.important, plan.precision.finest, plan.precision.steps, source.degree,
+                           source.antialiased,       plan.precision.version};
   return plan;
 }
 

@@ -1,6 +1,7 @@
 #include "qnv/codecs/gaussians/lod/splat_cache.h"
 
 #include "base/parallel.h"
+#include "qnv/codecs/gaussians/splat_steps.h"
 
 #include <algorithm>
 #include <array>
@@ -36,12 +37,12 @@ SplatNode node_of_block(const Gaussians& all, std::size_t i, bool leaf) {
 }
 
 /// Writes a decoded Gaussian, without the harmonics, normal and weight, which views do not need.
-void put_splat(const SplatNode& node, int fine, Gaussians& all, std::size_t place) {
-  glm::vec3& scales = all.scales[place];
-  for (int k = 0; k < 3; ++k) scales[k] = static_cast<float>(scale_of(node, static_cast<std::size_t>(k), fine));
+void put_splat(const SplatNode& node, const Precision& precision, Gaussians& all, std::size_t place) {
+  const SplatLook look = look_of(node, precision);
+  for (int k = 0; k < 3; ++k) all.scales[place][k] = static_cast<float>(look.scales[static_cast<std::size_t>(k)]);
   all.positions[place] = node.position;
   all.rotations[place] = node.rotation;
-  all.opacities[place] = static_cast<float>(opacity_of(node, fine));
+  all.opacities[place] = static_cast<float>(look.opacity);
   all.bases[place] = node.color;
 }
 
@@ -102,12 +103,11 @@ std::unique_ptr<SplatCache::Entry> SplatCache::made(std::uint32_t cluster, const
   splats->bases.resize(count);
   entry->origins.resize(decoded.origins.size());
   if (inner > 0) entry->ranks.resize(count + 1);
-  const int fine = chunks_.header().gaussians.fine;
   std::array<std::size_t, 2> next{0, inner};  // places of the next inner Gaussian and of the next leaf
   for (std::size_t i = 0; i < count; ++i) {
     const SplatNode& node = decoded.nodes[i];
     const std::size_t place = next[node.leaf ? 1 : 0]++;
-    put_splat(node, fine, *splats, place);
+    put_splat(node, chunks_.precision(), *splats, place);
     if (inner > 0) entry->ranks[i + 1] = static_cast<std::uint16_t>(next[0]);
     if (!decoded.origins.empty()) entry->origins[place] = decoded.origins[i];
   }

@@ -1,6 +1,7 @@
 #include "qnv/codecs/gaussians/lod/splat_chunks.h"
 
 #include "qnv/codecs/gaussians/harmonics_code.h"
+#include "qnv/codecs/gaussians/splat_steps.h"
 
 #include <algorithm>
 #include <array>
@@ -33,7 +34,7 @@ class PatchedSource final : public ChunkSource {
 
 SplatChunks::SplatChunks(StreamHeader header) : header_(std::move(header)) {
   const GaussianCoding& coding = header_.gaussians;
-  precision_ = {coding.important, coding.finest, coding.steps, header_.description.box, coding.trained, coding.fine};
+  precision_ = precision_of(coding, header_.description.box);
 }
 
 SplatChunks::Opened SplatChunks::make(std::variant<StreamHeader, StreamProblem> read) {
@@ -284,7 +285,7 @@ bool SplatChunks::decode(std::uint32_t index, const SplatParent* parent, Decoded
     parents = std::span(parent->state.inner).subspan(before, parent->ranks[last] - before);
     parent->state.models.load(to.models);
   } else {
-    to.models = SplatModels(precision_.trained);
+    to.models = SplatModels(precision_.trained());
   }
   if (!decode_nodes(packed->bytes, parents, parent != nullptr, to.models, precision_, to.nodes,
                     header_.gaussians.degree > 0 ? &to.origins : nullptr))
