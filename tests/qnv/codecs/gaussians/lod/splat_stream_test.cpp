@@ -55,7 +55,7 @@ TEST_CASE("viewports have independent cuts of Gaussians") {
 }
 
 TEST_CASE("a view of a part reads only that part of a stream of Gaussians") {
-  const EncodedStream encoded = encoded_cloud(12'000, 1);
+  const EncodedStream encoded = encoded_cloud(24'000, 1);
   const auto source = std::make_shared<CountingSource>(encoded.bytes);
   const Stream stream = opened(SplatStream::open(source));
   LodView view = closest_view();
