@@ -24,7 +24,7 @@ constexpr std::size_t kMaxGaussians = std::size_t{1} << 28;
 constexpr std::size_t kQuads = 64;  // splats per instance; more reduce the driver's work per instance
 constexpr std::size_t kRectangleTexels = 3, kRectangleBytes = kRectangleTexels * sizeof(glm::vec4);
 constexpr std::size_t kMaxRectangles = (std::size_t{1} << 29) / kRectangleBytes;  // the vertex shader projects more
-constexpr std::size_t kProjectGroup = 128, kMaxGroups = 65535;  // maximum groups that OpenGL 4.3 guarantees
+constexpr std::size_t kProjectGroup = 128, kMaxProjectGroups = 65535;  // maximum groups that OpenGL 4.3 guarantees
 // Splats from which the work is estimated, in blocks of successive ones.
 constexpr std::size_t kSurveyedBlocks = 64, kSurveyedBlock = 32;
 // Maximum pixels to blend. The CPU draws larger images, because it stops at opaque pixels. The system resets a driver
@@ -215,7 +215,7 @@ void GaussianGl::set_view(const Program& program, std::size_t items, const View&
 bool GaussianGl::can_make_rectangles(std::size_t total) {
   GLint most = 0;
   gl_.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
-  if (total > kMaxRectangles || total > kMaxGroups * kProjectGroup ||
+  if (total > kMaxRectangles || total > kMaxProjectGroups * kProjectGroup ||
       total > static_cast<std::size_t>(std::max(most, 0)) / kRectangleTexels)
     return false;
   if (!tried_project_) {
