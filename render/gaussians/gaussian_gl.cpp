@@ -1,6 +1,7 @@
 #include "render/gaussians/gaussian_gl.h"
 
 #include "render/gaussians/gaussian_shaders.h"
+#include "render/sorting/depth_sort_gl.h"
 #include "render/sorting/depth_sort_shaders.h"
 #include "render/sorting/item_texels.h"
 #include "render/volume/volume_lens.h"
@@ -21,6 +22,9 @@ namespace {
 constexpr std::size_t kGaussianItemTexels = 14;
 constexpr std::size_t kMaxGaussians = std::size_t{1} << 28;
 constexpr std::size_t kQuads = 64;  // splats per instance; more reduce the driver's work per instance
+constexpr std::size_t kRectangleTexels = 3, kRectangleBytes = kRectangleTexels * sizeof(glm::vec4);
+constexpr std::size_t kMaxRectangles = (std::size_t{1} << 29) / kRectangleBytes;  // the vertex shader projects more
+constexpr std::size_t kProjectGroup = 128, kMaxProjectGroups = 65535;  // maximum groups that OpenGL 4.3 guarantees
 // Splats from which the work is estimated, in blocks of successive ones.
 constexpr std::size_t kSurveyedBlocks = 64, kSurveyedBlock = 32;
 // Maximum pixels to blend. The CPU draws larger images, because it stops at opaque pixels. The system resets a driver
@@ -138,22 +142,27 @@ GaussianGl::GaussianGl(const Gl& gl, SortMethod sort)
       attributes_(make_vertex_array(gl)),
       corners_(make_buffer(gl)),
       items_(make_texture(gl)),
-      order_texture_(make_texture(gl)) {
-  gl.BindVertexArray(attributes_.name());
+      order_texture_(make_texture(gl)),
+      rectangles_(make_texture(gl)) {
+  gl_.BindVertexArray(attributes_.name());
   set_quad_elements(gl, corners_, kQuads);
-  gl.BindVertexArray(0);
+  gl_.BindVertexArray(0);
 }
 
-bool GaussianGl::make_program_once() {
-  if (!tried_program_) {
-    tried_program_ = true;
-    auto made = make_program(
-        gl_, gaussian_defines(),
-        std::string(kGaussianItemShader) + kItemsShader + kRankShader + kGaussianDataShader + kGaussianVertexShader,
-        kGaussianFragmentShader);
-    if (auto* program = std::get_if<Program>(&made)) program_ = std::move(*program);
+/// Returns the program, which is compiled on first use. It is empty if the driver rejects it.
+const Program& GaussianGl::program(Drawing drawing) {
+  const auto index = static_cast<std::size_t>(drawing);
+  if (!tried_programs_[index]) {
+    tried_programs_[index] = true;
+    const std::string defines = (drawing == Drawing::project_surfels ? "#define SURFELS\n" : "") + gaussian_defines(),
+                      vertex = drawing == Drawing::read_rectangles
+                                   ? std::string(kGaussianReadShader)
+                                   : std::string(kGaussianItemShader) + kItemsShader + kRankShader +
+                                         kGaussianDataShader + kGaussianProjectionShader;
+    auto made = make_program(gl_, defines, vertex + kGaussianVertexShader, kGaussianFragmentShader);
+    if (auto* program = std::get_if<Program>(&made)) programs_[index] = std::move(*program);
   }
-  return program_.name() != 0;
+  return programs_[index];
 }
 
 bool GaussianGl::upload_items(std::span<const GaussianItem> items, std::span<const GaussianStore::Place> places) {
@@ -167,21 +176,24 @@ bool GaussianGl::upload_items(std::span<const GaussianItem> items, std::span<con
   return upload_item_texels(gl_, texels, item_buffer_, items_);
 }
 
-void GaussianGl::draw_range(std::size_t items, std::size_t total, const View& view, const SplatRange& range) {
-  gl_.UseProgram(program_.name());
-  const auto at = [&](const char* name) { return gl_.GetUniformLocation(program_.name(), name); };
-  const std::array<std::pair<const char*, GLuint>, 3> textures{
-      {{"codes", store_.codes().name()}, {"items", items_.name()}, {"order", order_texture_.name()}}};
+/// Selects a program, and sets its uniforms and textures. Ignores those that it lacks.
+void GaussianGl::set_view(const Program& program, std::size_t items, const View& view, float nearest,
+                          float farthest) const {
+  gl_.UseProgram(program.name());
+  const auto at = [&](const char* name) { return gl_.GetUniformLocation(program.name(), name); };
+  const std::array<std::pair<const char*, GLuint>, 4> textures{{{"codes", store_.codes().name()},
+                                                                {"items", items_.name()},
+                                                                {"order", order_texture_.name()},
+                                                                {"rectangles", rectangles_.name()}}};
   for (GLuint unit = 0; unit < textures.size(); ++unit) {
+    const GLint place = at(textures[unit].first);
+    if (place < 0) continue;
     gl_.ActiveTexture(GL_TEXTURE0 + unit);
     gl_.BindTexture(GL_TEXTURE_BUFFER, textures[unit].second);
-    gl_.Uniform1i(at(textures[unit].first), static_cast<GLint>(unit));
+    gl_.Uniform1i(place, static_cast<GLint>(unit));
   }
   gl_.ActiveTexture(GL_TEXTURE0);
   gl_.Uniform1i(at("item_count"), static_cast<GLint>(items));
-  gl_.Uniform1i(at("count"), static_cast<GLint>(range.count));
-  gl_.Uniform2i(at("ranks"), static_cast<GLint>(range.near_first ? total - 1 - range.first : range.first),
-                range.near_first ? -1 : 1);
   const SplatView& lens = view.lens;
   const auto width = static_cast<float>(lens.width), height = static_cast<float>(lens.height);
   const glm::vec2 pixels(width / (2 * lens.tangents.x), height / (2 * lens.tangents.y));
@@ -189,13 +201,74 @@ void GaussianGl::draw_range(std::size_t items, std::size_t total, const View& vi
   const glm::vec2 reach = kGaussianFarthestTangent * lens.tangents;
   const glm::vec4 limits(lens.center - reach, lens.center + reach);
   const glm::mat4& clip = view.projection.clip_from_camera;
-  const glm::vec4 depths(std::max(lens.near_plane, range.nearest), clip[2][2], clip[3][2],
+  const glm::vec4 depths(std::max(lens.near_plane, nearest), clip[2][2], clip[3][2],
                          view.projection.reversed ? 0.0f : -1.0f);
   gl_.Uniform4fv(at("lens"), 1, glm::value_ptr(pixels_size));
   gl_.Uniform4fv(at("limits"), 1, glm::value_ptr(limits));
   gl_.Uniform2f(at("straight"), -lens.center.x * pixels.x, -lens.center.y * pixels.y);
   gl_.Uniform4fv(at("depth_range"), 1, glm::value_ptr(depths));
-  gl_.Uniform1f(at("farthest"), range.farthest);
+  gl_.Uniform1f(at("farthest"), farthest);
+}
+
+/// Compiles the programs that make and read rectangles, on first use. Returns false if the driver rejects them, or if
+/// there are too many splats.
+bool GaussianGl::can_make_rectangles(std::size_t total) {
+  GLint most = 0;
+  gl_.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
+  if (total > kMaxRectangles || total > kMaxProjectGroups * kProjectGroup ||
+      total > static_cast<std::size_t>(std::max(most, 0)) / kRectangleTexels)
+    return false;
+  if (!tried_project_) {
+    tried_project_ = true;
+    const PhaseScope phase(gl_.phases, Phase::compile);
+    project_ = compute_program(gl_, "#version 430 core\n" + gaussian_defines() + kGaussianItemShader + kItemsShader +
+                                        kRankShader + kGaussianDataShader + kGaussianProjectionShader +
+                                        kGaussianRectanglesShader);
+  }
+  return project_ && program(Drawing::read_rectangles);
+}
+
+/// Projects all splats with a compute shader. Returns false if memory does not suffice.
+bool GaussianGl::make_rectangles(std::size_t items, std::size_t total, const View& view) {
+  take_errors(gl_);
+  if (total > rectangle_room_) {
+    rectangle_room_ = 0;
+    rectangle_buffer_ = make_buffer(gl_);
+    const std::size_t room = std::min(total + total / 4, kMaxRectangles);
+    gl_.BindBuffer(GL_TEXTURE_BUFFER, rectangle_buffer_.name());
+    gl_.BufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(room * kRectangleBytes), nullptr, GL_DYNAMIC_COPY);
+    gl_.ActiveTexture(GL_TEXTURE0);
+    gl_.BindTexture(GL_TEXTURE_BUFFER, rectangles_.name());
+    gl_.TexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, rectangle_buffer_.name());
+    if (take_errors(gl_)) return false;
+    rectangle_room_ = room;
+  }
+  set_view(project_, items, view, 0, SplatRange{}.farthest);
+  const auto at = [&](const char* name) { return gl_.GetUniformLocation(project_.name(), name); };
+  gl_.Uniform1i(at("count"), static_cast<GLint>(total));
+  gl_.Uniform2i(at("ranks"), 0, 1);
+  gl_.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, rectangle_buffer_.name());
+  gl_.DispatchCompute(static_cast<GLuint>((total + kProjectGroup - 1) / kProjectGroup), 1, 1);
+  gl_.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+  gl_.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, 0);
+  return !take_errors(gl_);
+}
+
+void GaussianGl::draw_range(std::size_t items, std::size_t total, const View& view, const SplatRange& range) {
+  const SplatRange all;
+  const bool whole = range.nearest <= all.nearest && range.farthest >= all.farthest;
+  if (whole && rectangle_state_ == Rectangles::wanted)
+    rectangle_state_ = make_rectangles(items, total, view) ? Rectangles::made : Rectangles::impossible;
+  const bool read = whole && rectangle_state_ == Rectangles::made;
+  const Program& drawing = program(read       ? Drawing::read_rectangles
+                                   : surfels_ ? Drawing::project_surfels
+                                              : Drawing::project);
+  if (!drawing) return;
+  set_view(drawing, items, view, range.nearest, range.farthest);
+  const auto at = [&](const char* name) { return gl_.GetUniformLocation(drawing.name(), name); };
+  gl_.Uniform1i(at("count"), static_cast<GLint>(range.count));
+  gl_.Uniform2i(at("ranks"), static_cast<GLint>(range.near_first ? total - 1 - range.first : range.first),
+                range.near_first ? -1 : 1);
   gl_.Uniform1f(at("gain"), range.gain);
   gl_.BindVertexArray(attributes_.name());
   gl_.DrawElementsInstancedBaseVertex(GL_TRIANGLES, static_cast<GLsizei>(6 * kQuads), GL_UNSIGNED_SHORT, nullptr,
@@ -227,12 +300,13 @@ std::optional<PreparedSplats> GaussianGl::prepare(std::span<const std::shared_pt
     total += item.count;
   }
   if (visible.empty()) return PreparedSplats{};
-  if (total > kMaxGaussians || !make_program_once()) return std::nullopt;
+  if (total > kMaxGaussians) return std::nullopt;
   const GaussianSurvey found = survey(visible, view.lens);
   if (found.pixels > kMaxBlendedPixels) return std::nullopt;
   take_errors(gl_);
   const std::vector<GaussianStore::Place> places = store_.place(scenes);
   if (places.size() != scenes.size() || !upload_items(visible, places)) return std::nullopt;
+  surfels_ = std::ranges::any_of(places, [](const auto& place) { return place.coding.surfels; });
   const auto order =
       order_.order(view.viewport, parts, {store_.codes().name(), items_.name(), static_cast<int>(visible.size())});
   if (!order) return std::nullopt;
@@ -240,6 +314,9 @@ std::optional<PreparedSplats> GaussianGl::prepare(std::span<const std::shared_pt
   gl_.BindTexture(GL_TEXTURE_BUFFER, order_texture_.name());
   gl_.TexBuffer(GL_TEXTURE_BUFFER, GL_R32UI, order->far_first.name());
   if (take_errors(gl_)) return std::nullopt;
+  const bool computes = order_.sorted_by() == SortMethod::compute && !surfels_ && can_make_rectangles(total);
+  rectangle_state_ = computes ? Rectangles::wanted : Rectangles::impossible;
+  if (!computes && !program(surfels_ ? Drawing::project_surfels : Drawing::project)) return std::nullopt;
   return PreparedSplats{
       {static_cast<std::size_t>(found.splats + 0.5), order->pending},
       total,

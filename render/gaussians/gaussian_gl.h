@@ -9,6 +9,7 @@
 
 #include <glm/vec4.hpp>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -29,12 +30,13 @@ constexpr float kGaussianLayerGain = 4;
 [[nodiscard]] std::vector<glm::vec4> gaussian_item_texels(std::span<const GaussianItem> items,
                                                           std::span<const GaussianStore::Place> places);
 
-/// Draws Gaussians with OpenGL 3.3. The image equals that of rasterize_gaussians(), except for rounding. The vertex
-/// shader projects the splats and evaluates their harmonics. A VolumeTarget blends the rectangles of all scenes, in 16
-/// bits per channel.
+/// Draws Gaussians with OpenGL 3.3. The image equals that of rasterize_gaussians(), except for rounding. Shaders
+/// project the splats and evaluate their harmonics. A VolumeTarget blends the rectangles of all scenes, in 16 bits per
+/// channel.
 ///
-/// Compute shaders sort for each position of the eye. The order of the thread may be that of an earlier position
-/// (DepthOrder). Runs on the thread of its context.
+/// Compute shaders sort for each position of the eye. They also project each splat once; without them, the vertex
+/// shader projects each corner. The order of the thread may be that of an earlier position (DepthOrder). Runs on the
+/// thread of its context.
 class GaussianGl {
  public:
   explicit GaussianGl(const Gl& gl, SortMethod sort = SortMethod::automatic);
@@ -49,20 +51,32 @@ class GaussianGl {
   void forget_unused() { store_.forget_unused(); }
   /// Returns the method that sorted the last image.
   [[nodiscard]] SortMethod sorted_by() const { return order_.sorted_by(); }
+  /// Reports whether compute shaders projected the splats of the last image.
+  [[nodiscard]] bool projected_once() const { return rectangle_state_ == Rectangles::made; }
 
  private:
-  bool make_program_once();
+  /// Programs that draw: those that project have variants without and with surfels.
+  enum class Drawing : std::uint8_t { project, project_surfels, read_rectangles };
+  enum class Rectangles : std::uint8_t { wanted, made, impossible };
+  [[nodiscard]] const Program& program(Drawing drawing);
+  void set_view(const Program& program, std::size_t items, const View& view, float nearest, float farthest) const;
+  [[nodiscard]] bool can_make_rectangles(std::size_t total);
+  bool make_rectangles(std::size_t items, std::size_t total, const View& view);
   bool upload_items(std::span<const GaussianItem> items, std::span<const GaussianStore::Place> places);
   void draw_range(std::size_t items, std::size_t total, const View& view, const SplatRange& range);
 
   const Gl& gl_;
   GaussianStore store_;
   DepthOrder order_;
-  bool tried_program_ = false;
-  Program program_;
+  std::array<Program, 3> programs_;  // by Drawing
+  std::array<bool, 3> tried_programs_{};
+  Program project_;  // compute shader
+  bool tried_project_ = false, surfels_ = false;
   VertexArray attributes_;
-  Buffer corners_, item_buffer_;
-  Texture items_, order_texture_;
+  Buffer corners_, item_buffer_, rectangle_buffer_;
+  Texture items_, order_texture_, rectangles_;
+  std::size_t rectangle_room_ = 0;  // splats for which the buffer has room
+  Rectangles rectangle_state_ = Rectangles::impossible;
 };
 
 }  // namespace gs::render

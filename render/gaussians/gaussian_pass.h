@@ -34,6 +34,8 @@ class GaussianPass {
 
   /// Returns the method that sorted for the last OpenGL image.
   [[nodiscard]] SortMethod sorted_by() const { return gaussian_gl_.sorted_by(); }
+  /// Reports whether compute shaders projected the splats of the last image.
+  [[nodiscard]] bool projected_once() const { return gaussian_gl_.projected_once(); }
 
  private:
   [[nodiscard]] bool with_gl(const DrawOptions& options) const;

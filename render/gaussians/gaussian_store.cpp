@@ -77,12 +77,14 @@ GaussianCoding gaussian_coding(const qnv::Gaussians& gaussians) {
   coding.degree = gaussians.degree;
   coding.texels = 2 + (qnv::harmonic_count(coding.degree) + 1) / 2;
   float least = std::numeric_limits<float>::max(), most = 0;
-  for (const glm::vec3& scale : gaussians.scales)
+  for (const glm::vec3& scale : gaussians.scales) {
+    coding.surfels = coding.surfels || !(scale.z > 0);
     for (int i = 0; i < 3; ++i)
       if (scale[i] > 0 && std::isfinite(scale[i])) {
         least = std::min(least, scale[i]);
         most = std::max(most, scale[i]);
       }
+  }
   if (most > 0) {
     const float low = std::log2(least), step = (std::log2(most) - low) / 65534;
     coding.scale = {low - step, step};

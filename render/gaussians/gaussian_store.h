@@ -31,6 +31,7 @@ struct GaussianCoding {
   std::size_t texels = 2;  // per splat
   glm::vec2 scale{0};      // log2 of a scale: x + code * y
   float base_limit = 1, harmonic_limit = 1;
+  bool surfels = false;  // some splats are flat
 };
 
 /// Returns the parameters for Gaussians. Accepts any numbers.

@@ -66,9 +66,11 @@ RuntimeLibrary::RuntimeLibrary(std::initializer_list<const char*> names) {
 void* RuntimeLibrary::symbol(const char* name) const { return handle_ ? dlsym(handle_, name) : nullptr; }
 
 bool is_software_renderer(std::string_view renderer) {
-  constexpr std::array<std::string_view, 4> kWords{"llvmpipe", "softpipe", "swrast", "Software"};
+  std::string name(renderer);
+  for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  constexpr std::array<std::string_view, 5> kWords{"llvmpipe", "softpipe", "swrast", "software", "swiftshader"};
   return std::any_of(kWords.begin(), kWords.end(),
-                     [&](std::string_view word) { return renderer.find(word) != std::string_view::npos; });
+                     [&](std::string_view word) { return name.find(word) != std::string::npos; });
 }
 
 bool may_have_gpu(const std::filesystem::path& devices) {

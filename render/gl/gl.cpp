@@ -1,5 +1,7 @@
 #include "render/gl/gl.h"
 
+#include "render/gl/context_backend.h"
+
 #include <algorithm>
 #include <cstring>
 
@@ -16,14 +18,6 @@ bool has_extension(const Gl& gl, const char* name) {
     const auto* extension = reinterpret_cast<const char*>(gl.GetStringi(GL_EXTENSIONS, static_cast<GLuint>(i)));
     if (extension && std::strcmp(extension, name) == 0) return true;
   }
-  return false;
-}
-
-/// Reports whether GL_RENDERER is the name of a software rasterizer.
-bool runs_on_processor(std::string renderer) {
-  for (char& c : renderer) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  for (const char* name : {"llvmpipe", "softpipe", "swrast", "software", "swiftshader"})
-    if (renderer.find(name) != std::string::npos) return true;
   return false;
 }
 
@@ -47,7 +41,7 @@ std::variant<Gl, ContextError> Gl::load(GlContext& context) {
     return ContextError{"OpenGL 3.3 is required; this context has " + std::to_string(major) + "." +
                         std::to_string(minor)};
   if (const GLubyte* name = gl.GetString(GL_RENDERER)) gl.renderer = reinterpret_cast<const char*>(name);
-  gl.software = runs_on_processor(gl.renderer);
+  gl.software = is_software_renderer(gl.renderer);
 
   if (version >= 42 || has_extension(gl, "GL_ARB_base_instance"))
     gl.DrawElementsInstancedBaseVertexBaseInstance =

@@ -14,7 +14,8 @@ constexpr std::size_t kSortBlock = 4096, kMaxGroups = 65535;  // maximum groups 
 constexpr unsigned kShaderDigitBits = 4, kShaderDigits = 1u << kShaderDigitBits, kShaderPasses = 32 / kShaderDigitBits;
 static_assert(kShaderPasses % 2 == 0);  // with an even number of passes, the result is in the original buffer
 
-/// Compiles a compute program. Returns an empty program if the driver rejects it.
+}  // namespace
+
 Program compute_program(const Gl& gl, const std::string& source) {
   const GpuHandle<GpuObject::shader> shader(gl, gl.CreateShader(GL_COMPUTE_SHADER));
   const GLchar* text = source.data();
@@ -30,8 +31,6 @@ Program compute_program(const Gl& gl, const std::string& source) {
   gl.GetProgramiv(program.name(), GL_LINK_STATUS, &good);
   return good ? std::move(program) : Program();
 }
-
-}  // namespace
 
 std::unique_ptr<DepthGlSort> DepthGlSort::create(const Gl& gl, const std::string& keys) {
   if (!gl.DispatchCompute) return nullptr;

@@ -8,6 +8,9 @@
 
 namespace gs::render {
 
+/// Compiles a compute program. Returns an empty program if the driver rejects it.
+[[nodiscard]] Program compute_program(const Gl& gl, const std::string& source);
+
 /// Sorts vectors by depth with compute shaders (OpenGL 4.3), within the frame. The order is that of DepthSorter, except
 /// for the rounding of positions to codes. Runs on the thread of its context.
 class DepthGlSort {

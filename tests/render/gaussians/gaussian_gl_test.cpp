@@ -157,6 +157,27 @@ TEST_CASE("draws flat Gaussians with OpenGL as on the processor") {
   check_same(list_of(shared, glm::rotate(scale({1.5f, 0.6f, -1}), 1.0f, glm::vec3(1, 2, 3))), {0, 1, 4});
 }
 
+TEST_CASE("projects each Gaussian once with compute shaders, unless some are flat") {
+  for (const SortMethod sort : {SortMethod::thread, SortMethod::compute})
+    for (const bool flat : {false, true}) {
+      qnv::Gaussians some = random_gaussians(300, 1, 5);
+      for (glm::vec3& size : some.scales) size = glm::max(size, glm::vec3(0.01f));
+      if (flat) some.scales[7].z = 0;
+      const RenderList list = list_of(std::make_shared<const qnv::Gaussians>(some));
+      Picture picture(sort);
+      picture.look({0, 0, 3});
+      const Pixels wanted = picture.drawn(list, SplatPath::cpu);
+      const Pixels drawn = picture.drawn(list, SplatPath::gl);
+      const bool computes = picture.gl.DispatchCompute && sort == SortMethod::compute;
+      CHECK(picture.gaussians->projected_once() == (computes && !flat));
+      CHECK(psnr_of(drawn, wanted) >= 45);
+      // A larger scene needs a larger buffer.
+      const RenderList more = list_of(scene(3000, 2, 8));
+      const Pixels more_wanted = picture.drawn(more, SplatPath::cpu), more_drawn = picture.drawn(more, SplatPath::gl);
+      CHECK(psnr_of(more_drawn, more_wanted) >= 45);
+    }
+}
+
 TEST_CASE("draws several scenes of Gaussians in one order with OpenGL, clipped, faded, in fog and under any matrix") {
   RenderList list = list_of(scene(300, 2, 5), glm::rotate(scale({1.5f, 0.6f, -1}), 1.0f, glm::vec3(1, 2, 3)));
   list.splats.push_back(list_of(scene(200, 0, 6), translation({0.4f, 0.2f, 0.5f})).splats[0]);

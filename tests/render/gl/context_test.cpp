@@ -57,6 +57,19 @@ TEST_CASE("opens EGL or reports why not") {
   check_color(pixel(std::get<Image>(drawn), 8, 8), {0, 0.4f, 0.8f});
 }
 
+TEST_CASE("tells software drivers from GPUs by their names") {
+  for (const char* name : {"llvmpipe (LLVM 15.0.6, 256 bits)", "softpipe", "Software Rasterizer",
+                           "ANGLE (Google, Vulkan 1.3.0 (SwiftShader Device (LLVM 10.0.0)), SwiftShader driver)"}) {
+    INFO(name);
+    CHECK(is_software_renderer(name));
+  }
+  for (const char* name : {"NVIDIA H200/PCIe/SSE2", "AMD Radeon RX 6600 (radeonsi, navi23, LLVM 15.0.6)",
+                           "Mesa Intel(R) UHD Graphics 620 (KBL GT2)", ""}) {
+    INFO(name);
+    CHECK(!is_software_renderer(name));
+  }
+}
+
 TEST_CASE("rejects an unknown backend and lists the known names") {
   const auto opened = open_headless_context("directx");
   REQUIRE(std::holds_alternative<ContextError>(opened));
