@@ -19,8 +19,12 @@ constexpr double kExcess = 1.3;
 constexpr int kFadingPictures = 6;
 /// Factors of the number of Gaussians: margin below the goal, bounds of one reduction, and one increase.
 constexpr double kFewer = 0.85, kFewest = 0.5, kSlightlyFewer = 0.95, kMore = 1.25;
-constexpr double kIdle = 0.65;       // fraction of the goal below which more Gaussians are drawn
-constexpr double kUsed = 0.75;       // fraction of the maximum above which the maximum limits a picture
+constexpr double kIdle = 0.65;  // fraction of the goal below which more Gaussians are drawn
+constexpr double kUsed = 0.75;  // fraction of the maximum above which the maximum limits a picture
+/// Decoding of views at rest: processor time of the smallest amount, doublings from picture to picture, and maximum.
+constexpr double kAmountSeconds = 0.02;
+constexpr unsigned kMostDoublings = 5;
+constexpr double kMostAmounts = std::size_t{1} << kMostDoublings;
 constexpr std::size_t kHalving = 4;  // levels that a cancelled picture loses: more than half of its pixels
 constexpr std::size_t kLast = PictureDetail::kQualities.size() - 1;
 /// coarsest level for pictures that are late but complete; only cancelled pictures need a coarser one
@@ -65,7 +69,16 @@ bool PictureDetail::draw_fewer(std::size_t level, std::size_t gaussians) {
   return true;
 }
 
+std::size_t PictureDetail::decoded_amounts(unsigned rests) const {
+  if (rests == 0) return 1;
+  // The first picture is in time. Later ones decode for as long as they draw, because each draws all Gaussians again.
+  const double doubled = static_cast<double>(std::size_t{1} << std::min(rests, kMostDoublings));
+  const double seconds = rests == 1 ? kRestGoal - rest_seconds_ : rest_seconds_;
+  return static_cast<std::size_t>(std::clamp(seconds / kAmountSeconds, doubled, kMostAmounts));
+}
+
 void PictureDetail::note(std::size_t level, bool given_up, double seconds, std::size_t gaussians) {
+  if (level == 0) rest_seconds_ = given_up ? std::max(rest_seconds_, seconds) : seconds;
   if (given_up) {
     if (level + kHalving <= level_ || level_ == kLast) return;
     choose(std::min(level + kHalving, kLast));

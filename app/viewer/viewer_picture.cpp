@@ -7,13 +7,11 @@
 namespace gs::app {
 namespace {
 
-// Max vectors of streams that are decoded in a frame for all viewports. Takes about 20 ms of one core.
+// Max vectors of streams that are decoded in a frame for all viewports. Takes about 20 ms of one core. Pictures at rest
+// may decode more.
 constexpr std::size_t kMaxDecoded = 250'000;
 constexpr double kMaxUninterrupted = 0.4;  // seconds of drawing after which new events can cancel a picture
-// Each picture of a view at rest may decode twice as much as the previous one, at most this many times. So the first
-// picture appears soon, and few pictures are necessary.
-constexpr unsigned kMostDoublings = 5;
-constexpr double kMaxAhead = 0.25;  // maximum of the expected drawing time, in seconds
+constexpr double kMaxAhead = 0.25;         // maximum of the expected drawing time, in seconds
 constexpr int kSettlingFramesAfterWait = 3;
 constexpr glm::vec3 kEmptyBackground(0.17f, 0.18f, 0.20f);
 
@@ -122,9 +120,10 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   draw.coarseness = PictureDetail::kQualities[level].coarseness;
   draw.splat_error = PictureDetail::splat_error(level);
   draw.most_gaussians = detail.most_gaussians(level);
-  unsigned& doublings = doublings_[picture.pane];
-  doublings = same && level == 0 ? std::min(doublings + 1, kMostDoublings) : 0;
-  draw.most_decoded <<= doublings;
+  draw.fade = detail.fades(level);
+  unsigned& rests = rests_[picture.pane];
+  rests = same && level == 0 ? rests + 1 : 0;
+  draw.most_decoded *= detail.decoded_amounts(rests);
   if (PictureDetail::kQualities[level].one_sample) draw.samples = 1;
   // Uses the fades of the time at which the picture will be visible.
   draw.time = begin + std::min(picture_seconds_, kMaxAhead);

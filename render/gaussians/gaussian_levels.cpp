@@ -143,10 +143,14 @@ const std::vector<qnv::SplatRun>* GaussianLevels::cut(const std::shared_ptr<cons
     if (stream.pending()) return nullptr;
     entry.shown[motion.view.viewport].moves = true;
   }
+  if (!moves && !motion.fades) {
+    entry.shown.erase(motion.view.viewport);
+    return nullptr;
+  }
   Shown& shown = entry.shown[motion.view.viewport];
   if (shown.moves && !moves) shown.rests_since = motion.time;
   shown.moves = moves;
-  const std::vector<qnv::SplatRun>& runs = stream.cut(wanted, motion.time);
+  const std::vector<qnv::SplatRun>& runs = stream.cut(wanted, motion.time, motion.fades);
   const bool changes = stream.fading() || stream.pending();
   if (!moves && (!changes || motion.time - shown.rests_since > kSettling)) {
     entry.shown.erase(motion.view.viewport);

@@ -18,6 +18,7 @@ struct GaussianMotion {
   qnv::LodView view;
   float coarseness = 1;              // factor that the error of `view` includes; above 1 while the view moves
   double time = 0;                   // time of the viewport's clock, in seconds
+  bool fades = true;                 // if false, changes are immediate
   std::shared_ptr<Budget> budget{};  // of the world, for the levels; null means no limit
 };
 

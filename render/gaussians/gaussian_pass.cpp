@@ -116,8 +116,9 @@ class GaussianCollector {
         if (options_.most_decoded > 0)
           view->most_decoded = std::max<std::size_t>(options_.most_decoded / kDecodingCost, 1);
         // A GPU is usually fast enough. So with OpenGL, levels start only with a slow motion.
-        if (const auto* runs = levels_.cut(shared, {*view, options_.splat_error, *options_.time, list_.budget},
-                                           !with_gl_, scene_.pending))
+        if (const auto* runs =
+                levels_.cut(shared, {*view, options_.splat_error, *options_.time, options_.fade, list_.budget},
+                            !with_gl_, scene_.pending))
           return add_runs(item, *runs);
       }
     scene_.held.push_back(std::move(shared));
@@ -133,7 +134,7 @@ class GaussianCollector {
     if (!lod) return;
     if (options_.most_decoded > 0)
       lod->most_decoded = std::max<std::size_t>(decodable_ / (kDecodingCost * streams_--), 1);
-    const std::vector<qnv::SplatRun>& runs = stream.cut(*lod, options_.time);
+    const std::vector<qnv::SplatRun>& runs = stream.cut(*lod, options_.time, options_.fade);
     decodable_ -= std::min(decodable_, kDecodingCost * stream.statistics().decoded);
     scene_.pending = scene_.pending || stream.pending() || stream.fading();
     add_runs(item, runs);
@@ -205,7 +206,7 @@ void GaussianPass::draw(const RenderList& list, const Camera& camera, const Proj
                         const DrawOptions& options, FrameStatistics& statistics, bool any_opaque) {
   gaussian_gl_.forget_unused();
   levels_.forget_unused();
-  if (std::none_of(list.splats.begin(), list.splats.end(), gaussians_of)) return;
+  if (std::none_of(list.splats.begin(), list.splats.end(), gaussians_of)) return note_picture_without_gaussians();
   const SplatView view = viewport_view(camera, projection, options);
   const TargetRectangle rectangle{options.x, options.y, options.width, options.height};
   const GaussianScene scene = GaussianCollector(gl_, list, camera, options, view, levels_, with_gl(options)).collect();

@@ -24,8 +24,9 @@ constexpr std::size_t kMostEntries = std::size_t{1} << 21;          // entries i
 constexpr int kRegionTiles = 4;                                     // tiles along the side of a region
 constexpr int kRegion = kRegionTiles * kGaussianTile;               // pixels along the side of a region
 constexpr std::size_t kPrefetched = 16;                             // splats between a prefetch and its use
-constexpr std::size_t kMostKeptBytes = std::size_t{128} << 20;      // bytes of arrays that the next picture reuses
-constexpr std::size_t kGatheredSplats = 512;                        // splats of a region to blend together
+constexpr std::size_t kMostKeptBytes = std::size_t{320} << 20;      // bytes of arrays that the next picture reuses
+constexpr int kMostIdlePictures = 16;         // pictures without Gaussians until these arrays are freed
+constexpr std::size_t kGatheredSplats = 512;  // splats of a region to blend together
 
 /// Tiles that a splat touches, inclusive.
 struct TileRange {
@@ -76,8 +77,9 @@ TileRange tiles_of(const GaussianSplat& splat, const SplatView& view) {
           tile(splat.top, view.height)};
 }
 
-/// Projects all splats, in tasks of kProjectedRange input splats. A task may have splats of several items.
-void project_all(std::span<const GaussianItem> items, const SplatView& view, std::vector<ProjectedPart>& parts) {
+/// Projects all splats, in tasks of kProjectedRange input splats. A task may have splats of several items. Returns the
+/// number of tasks. Keeps further parts, so that a later picture with more splats reuses them.
+std::size_t project_all(std::span<const GaussianItem> items, const SplatView& view, std::vector<ProjectedPart>& parts) {
   struct Run {
     std::size_t item, first, last;
   };
@@ -96,9 +98,10 @@ void project_all(std::span<const GaussianItem> items, const SplatView& view, std
     }
   }
   if (listed > 0) tasks.push_back(runs.size());
-  parts.resize(tasks.size() - 1);
+  const std::size_t count = tasks.size() - 1;
+  if (parts.size() < count) parts.resize(count);
   parallel_for(
-      parts.size(),
+      count,
       [&](std::size_t t) {
         ProjectedPart& part = parts[t];
         part.clear();
@@ -110,11 +113,13 @@ void project_all(std::span<const GaussianItem> items, const SplatView& view, std
           part.places.push_back({tiles_of(splat, view), splat.depth, index++});
       },
       view.threads);
+  return count;
 }
 
 /// Arrays of a picture. The next picture reuses them, because the system must clear the pages of new arrays.
 struct GaussianArrays {
   std::vector<ProjectedPart> parts;
+  std::size_t used_parts = 0;  // parts of this picture
   std::vector<GaussianKey> keys, moved_keys;
   std::vector<PlacedGaussian> ordered;
   std::vector<std::uint32_t> counts;  // entries of each region, for each range of splats
@@ -131,8 +136,13 @@ struct GaussianArrays {
 /// Arrays of the last picture, unless they are large. Any thread.
 class KeptArrays {
  public:
+  [[nodiscard]] static KeptArrays& of_program() {
+    static KeptArrays kept;
+    return kept;
+  }
   [[nodiscard]] std::unique_ptr<GaussianArrays> take() {
     const std::lock_guard lock(mutex_);
+    idle_ = 0;
     return kept_ ? std::move(kept_) : std::make_unique<GaussianArrays>();
   }
   void give_back(std::unique_ptr<GaussianArrays> arrays) {
@@ -140,15 +150,20 @@ class KeptArrays {
     const std::lock_guard lock(mutex_);
     kept_ = std::move(arrays);
   }
+  void note_idle() {
+    const std::lock_guard lock(mutex_);
+    if (++idle_ >= kMostIdlePictures) kept_ = nullptr;
+  }
 
  private:
   std::mutex mutex_;
+  int idle_ = 0;  // pictures since the last one with Gaussians
   std::unique_ptr<GaussianArrays> kept_;
 };
 
 /// Sorts the splats by ascending distance from the eye. The sort is stable.
 void put_in_order(GaussianArrays& arrays, const SplatView& view) {
-  const std::span<const ProjectedPart> parts = arrays.parts;
+  const std::span<const ProjectedPart> parts = std::span(arrays.parts).first(arrays.used_parts);
   std::vector<GaussianKey>& keys = arrays.keys;
   std::vector<PlacedGaussian>& ordered = arrays.ordered;
   std::vector<std::size_t> starts;
@@ -469,17 +484,18 @@ class GaussianPainter {
 VolumeLayer rasterize_gaussians(std::span<const GaussianItem> items, const SplatView& view, const VolumeStops& stops,
                                 bool with_depths) {
   if (view.width <= 0 || view.height <= 0) return {};
-  static KeptArrays kept;
-  std::unique_ptr<GaussianArrays> arrays = kept.take();
-  project_all(items, view, arrays->parts);
+  std::unique_ptr<GaussianArrays> arrays = KeptArrays::of_program().take();
+  arrays->used_parts = project_all(items, view, arrays->parts);
   put_in_order(*arrays, view);
   VolumeLayer layer;
   if (!arrays->ordered.empty()) {
     if (!stops.near.empty()) set_least_depths(arrays->parts, arrays->ordered);
     layer = GaussianPainter(*arrays, view, stops, with_depths).paint();
   }
-  kept.give_back(std::move(arrays));
+  KeptArrays::of_program().give_back(std::move(arrays));
   return layer;
 }
+
+void note_picture_without_gaussians() { KeptArrays::of_program().note_idle(); }
 
 }  // namespace gs::render

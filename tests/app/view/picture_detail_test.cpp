@@ -155,6 +155,41 @@ TEST_CASE("keeps the number of Gaussians during fades, and reduces the resolutio
   CHECK(PictureDetail::kQualities[few.level(true)] == PictureQuality{true, 2});
 }
 
+TEST_CASE("fades Gaussians at rest only if pictures are fast enough") {
+  PictureDetail detail;
+  CHECK(detail.fades(0));
+  detail.note(0, false, 0.02, 100'000);
+  CHECK(detail.fades(0));
+  detail.note(0, false, 0.2, 2'000'000);
+  CHECK_FALSE(detail.fades(0));
+  CHECK(detail.fades(1));
+  detail.note(1, false, 0.05, 300'000);
+  CHECK_FALSE(detail.fades(0));
+  detail.note(0, false, 0.03, 2'000'000);
+  CHECK(detail.fades(0));
+  detail.note(0, true, 0.5);
+  CHECK_FALSE(detail.fades(0));
+}
+
+TEST_CASE("decodes for the first picture at rest as much as its time allows, and for later ones at least as much") {
+  PictureDetail fast, slow, late;
+  fast.note(0, false, 0.05);
+  slow.note(0, false, 0.2);
+  late.note(0, false, 0.6);
+  for (PictureDetail* const detail : {&fast, &slow, &late}) {
+    CHECK(detail->decoded_amounts(0) == 1);
+    for (unsigned rests = 1; rests < 12; ++rests) {
+      CHECK(detail->decoded_amounts(rests) >= std::min(std::size_t{1} << rests, std::size_t{32}));
+      CHECK(detail->decoded_amounts(rests) <= 32);
+    }
+  }
+  CHECK(fast.decoded_amounts(1) == 10);
+  CHECK(slow.decoded_amounts(1) == 2);
+  CHECK(slow.decoded_amounts(2) == 10);
+  CHECK(late.decoded_amounts(1) == 2);
+  CHECK(late.decoded_amounts(2) == 30);
+}
+
 TEST_CASE("lowers the quality after pictures that the user's input cancelled") {
   PictureDetail detail;
   detail.note(0, true, 0.4);

@@ -139,6 +139,24 @@ TEST_CASE("draws fewer Gaussians of a file while the view moves, and all of them
   CHECK(levels.cut(all, motion_of(view_from(away), 1, time), false, pending) == nullptr);
 }
 
+TEST_CASE("draws all Gaussians of a file at once after a motion if changes do not fade") {
+  const auto all = cloud(20'000);
+  GaussianLevels levels(1000);
+  bool pending = false;
+  (void)levels.cut(all, motion_of(view_from(20), 2.5f, 1), false, pending);
+  wait_for(levels);
+  CHECK(levels.cut(all, motion_of(view_from(20), 2.5f, 1), false, pending) != nullptr);
+  pending = false;
+  GaussianMotion rest = motion_of(view_from(20), 1, 1.05);
+  rest.fades = false;
+  CHECK(levels.cut(all, rest, false, pending) == nullptr);
+  CHECK_FALSE(pending);
+  // The next motion starts as fine as the Gaussians.
+  const Runs* const runs = levels.cut(all, motion_of(view_from(20), 2.5f, 1.1), false, pending);
+  REQUIRE(runs);
+  CHECK(decibels(picture(all, runs, view_from(20)), picture(all, nullptr, view_from(20))) > 40);
+}
+
 TEST_CASE("gives up the levels of Gaussians that are replaced, and starts again with the next motion") {
   auto first = cloud(20'000);
   GaussianLevels levels(1000, std::chrono::hours(1));

@@ -72,7 +72,7 @@ bool same_view(LodView a, LodView b) {
 
 }  // namespace
 
-const std::vector<SplatRun>& SplatCutter::cut(const LodView& view, std::optional<double> time) {
+const std::vector<SplatRun>& SplatCutter::cut(const LodView& view, std::optional<double> time, bool fades) {
   ++cuts_;
   decoded_ = 0;
   pending_ = fading_ = false;
@@ -109,7 +109,7 @@ const std::vector<SplatRun>& SplatCutter::cut(const LodView& view, std::optional
   }
   pending_ = pending_ || chunks_.repairing();
   choose(view, viewport, bit);
-  fade(view, viewport, before, bit, time);
+  fade(view, viewport, before, bit, time, fades);
   make_runs(view, viewport);
   viewport.view = view;
   viewport.complete = !pending_;
@@ -318,10 +318,11 @@ void SplatCutter::choose(const LodView& view, Viewport& viewport, std::uint16_t 
         viewport.lacking.push_back({i, true});
 }
 
-// Updates the weights of clusters that enter or leave the cut. `before` has the clusters of the previous cut.
+// Updates the weights of clusters that enter or leave the cut. `before` has the clusters of the previous cut. Without a
+// time, or if `fades` is false, changes are immediate.
 void SplatCutter::fade(const LodView& view, Viewport& viewport, std::span<const std::uint32_t> before,
-                       std::uint16_t bit, std::optional<double> time) {
-  if (!time || viewport.last_cut == 0) {
+                       std::uint16_t bit, std::optional<double> time, bool fades) {
+  if (!time || !fades || viewport.last_cut == 0) {
     viewport.fading.clear();
     viewport.time = time.value_or(0);
     return;

@@ -81,9 +81,11 @@ class SplatStream final : public ViewedStream {
   ///
   /// With a `time` (viewport's clock, in seconds), changes since the last cut of the viewport take a quarter of a
   /// second: the opacity of new Gaussians rises while that of the replaced ones falls. Without a time, changes
-  /// are immediate, and the call waits for the repair of damaged chunks. With a time, it does not wait.
-  [[nodiscard]] const std::vector<SplatRun>& cut(const LodView& view, std::optional<double> time = {}) {
-    return cutter_.cut(view, time);
+  /// are immediate, and the call waits for the repair of damaged chunks. With a time, it does not wait. Changes are
+  /// also immediate if `fades` is false.
+  [[nodiscard]] const std::vector<SplatRun>& cut(const LodView& view, std::optional<double> time = {},
+                                                 bool fades = true) {
+    return cutter_.cut(view, time, fades);
   }
   /// Reports whether the last cut lacks clusters that are received but not decoded yet. If so, the next cut is better.
   [[nodiscard]] bool pending() const { return cutter_.pending(); }
