@@ -1,6 +1,7 @@
 #include "app/streams/stream_feed.h"
 #include "app/view/values/slice_scene.h"
 #include "app/viewer/viewer_window.h"
+#include "qnv/codecs/gaussians/lod/splat_stream.h"
 
 #include <algorithm>
 
@@ -14,6 +15,16 @@ constexpr double kMaxUninterrupted = 0.4;  // seconds of drawing after which new
 constexpr double kMaxAhead = 0.25;         // maximum of the expected drawing time, in seconds
 constexpr int kSettlingFramesAfterWait = 3;
 constexpr glm::vec3 kEmptyBackground(0.17f, 0.18f, 0.20f);
+
+/// Returns a counter that increases when streams of Gaussians have more detail.
+std::uint64_t gaussians_revision(const render::RenderList& list) {
+  std::uint64_t revision = 0;
+  for (const render::SplatItem& item : list.splats)
+    if (const auto* gaussians = item.geometry ? item.geometry->as<qnv::Gaussians>() : nullptr;
+        gaussians && gaussians->stream)
+      revision += gaussians->stream->revision();
+  return revision;
+}
 
 }  // namespace
 
@@ -107,9 +118,9 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   source.draw.x = source.draw.y = 0;
   source.draw.most_decoded = 0;
   for (const auto& feed : seen.document->world.feeds) source.grown += feed->applied();
-  source.grown += detail_revision(*seen.list);
+  source.grown += detail_revision(*seen.list) + gaussians_revision(*seen.list);
   for (const View::Over& over : seen.over)
-    if (over.view) source.grown += detail_revision(*over.view->list);
+    if (over.view) source.grown += detail_revision(*over.view->list) + gaussians_revision(*over.view->list);
   if (seen.document->runtime) source.grown += seen.document->runtime->movies().pictures();
   const bool busy = frames_wanted_ > 0 || frame_.moving, same = pictures_.is_same(picture.pane, source);
   if (same && pictures_.stands(picture.pane, busy) && renderer_->show_again(draw)) return;

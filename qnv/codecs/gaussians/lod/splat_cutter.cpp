@@ -88,7 +88,6 @@ const std::vector<SplatRun>& SplatCutter::cut(const LodView& view, std::optional
     viewport.view = view;
     viewport.last_cut = cuts_;
     if (time) viewport.time = *time;
-    pending_ = chunks_.repairing();
     return viewport.runs;
   }
   const std::vector<std::uint32_t> before = viewport.chosen;
@@ -107,7 +106,6 @@ const std::vector<SplatRun>& SplatCutter::cut(const LodView& view, std::optional
     }
     if (!any) break;
   }
-  pending_ = pending_ || chunks_.repairing();
   choose(view, viewport, bit);
   fade(view, viewport, before, bit, time, fades);
   make_runs(view, viewport);
@@ -296,7 +294,7 @@ void SplatCutter::choose(const LodView& view, Viewport& viewport, std::uint16_t 
       viewport.lacking.push_back({index, false});
     if (!cluster.present || !above || cluster.broken) continue;
     if (!cache_.has(index)) {
-      pending_ = true;
+      pending_ = pending_ || !cluster.waits;  // a repair reports its own end
       continue;
     }
     cache_.size_up(index);  // its parent may be decoded only since the selection
