@@ -49,19 +49,22 @@ class PictureDetail {
   /// `rests` is the number of the next picture among those of a view at rest, from 1 on; 0 means a changing picture.
   [[nodiscard]] std::size_t decoded_amounts(unsigned rests) const;
   /// Records that the frame of a picture at `level` took `seconds`, or that user input cancelled it. The picture had
-  /// `gaussians` Gaussians.
-  void note(std::size_t level, bool given_up, double seconds, std::size_t gaussians = 0);
+  /// `gaussians` Gaussians. `other_seconds` is the part of the frame for Scripts, other pictures and the interface. If
+  /// that part leaves too little of the goal, the picture may take 40 % of the goal in addition.
+  void note(std::size_t level, bool given_up, double seconds, std::size_t gaussians = 0, double other_seconds = 0);
 
  private:
   void choose(std::size_t level);
   void learn(std::size_t gaussians);
   [[nodiscard]] bool draw_fewer(std::size_t level, std::size_t gaussians);
+  [[nodiscard]] double goal() const;
 
   std::size_t level_ = 0;
   std::size_t most_gaussians_ = kFirstGaussians;
   int pictures_ = 0;        // pictures at the current level and with the current number of Gaussians
   int excess_ = 0;          // consecutive pictures with far more Gaussians than the maximum
-  double mean_ = 0;         // mean time of these pictures; recent pictures count more
+  double mean_ = 0;         // mean time of their frames; recent pictures count more
+  double other_ = 0;        // mean of the part of this time that the picture does not need
   std::size_t former_ = 0;  // level before the last change; equal to level_ if the change is already measured
   double former_mean_ = 0;
   double rest_seconds_ = 0;  // time of the last complete frame at level 0

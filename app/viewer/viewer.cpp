@@ -217,7 +217,8 @@ void Viewer::present(double started) {
   window_->present();
   const double seconds = drawn - started + std::min(Window::now() - drawn, kMaxPresenting);
   for (const DrawnPicture& picture : std::exchange(drawn_, {}))
-    details_[picture.pane].note(picture.level, picture.given_up, seconds, picture.gaussians);
+    details_[picture.pane].note(picture.level, picture.given_up, seconds, picture.gaussians,
+                                std::max(seconds - picture.seconds, 0.0));
 }
 
 void Viewer::measure(double started, double now, bool in_motion) {

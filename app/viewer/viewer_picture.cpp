@@ -160,7 +160,7 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
     pictures_.note(picture.pane, std::move(source), pane.statistics, end - begin);
   if (!given_up || frame_.loading) picture_seconds_ = end - begin;
   if (!given_up || !(frame_.loading || interface_first_))
-    drawn_.push_back({picture.pane, level, given_up, pane.statistics.gaussians});
+    drawn_.push_back({picture.pane, level, given_up, pane.statistics.gaussians, end - begin});
 }
 
 // Tools: measuring, values and slices, saving ------------------------------------------------------

@@ -100,6 +100,7 @@ class Viewer final : public WindowOperations, NonCopyable {
     std::size_t pane, level;
     bool given_up;
     std::size_t gaussians;
+    double seconds;  // time of drawing
   };
   std::vector<DrawnPicture> drawn_;  // pictures of the current frame
 };

@@ -155,6 +155,30 @@ TEST_CASE("keeps the number of Gaussians during fades, and reduces the resolutio
   CHECK(PictureDetail::kQualities[few.level(true)] == PictureQuality{true, 2});
 }
 
+TEST_CASE("keeps Gaussians and resolution if Scripts or the interface make frames slow") {
+  PictureDetail detail;
+  const auto draw_frames = [&](int frames, double each, double others) {
+    for (int i = 0; i < frames; ++i) {
+      const std::size_t level = detail.level(true),
+                        count = level == 0 ? 2'000'000 : std::min<std::size_t>(2'000'000, detail.most_gaussians(level));
+      const double picture = 0.002 + each * static_cast<double>(count);
+      detail.note(level, false, picture + others, count, others);
+    }
+  };
+  draw_frames(200, 60e-9, 0.2);
+  // The picture has 40 % of the goal.
+  CHECK(detail.level(true) == 1);
+  CHECK(detail.most_gaussians(1) > 250'000);
+  CHECK(detail.most_gaussians(1) < 450'000);
+  draw_frames(300, 60e-9, 0.002);
+  CHECK(detail.level(true) == 1);
+  CHECK(detail.most_gaussians(1) > 600'000);
+  // A fast picture stays at full quality.
+  PictureDetail fast;
+  for (int i = 0; i < 100; ++i) fast.note(fast.level(true), false, 0.31, 0, 0.3);
+  CHECK(fast.level(true) == 0);
+}
+
 TEST_CASE("fades Gaussians at rest only if pictures are fast enough") {
   PictureDetail detail;
   CHECK(detail.fades(0));
