@@ -61,7 +61,7 @@ BlobLook look_of(const Blob& blob, float detail, bool leaf) {
   return look;
 }
 
-/// Numbers for pictures along the three axes of the coordinates. The last lane repeats the first one.
+/// Numbers for pictures along the three axes of the coordinates. The last lane is not used.
 using Three = float __attribute__((vector_size(16)));
 using ThreeBits = std::int32_t __attribute__((vector_size(16)));
 
@@ -70,52 +70,54 @@ float sum_of(Three v) { return v[0] + v[1] + v[2]; }
 
 Three masked(Three v, ThreeBits mask) { return reinterpret_cast<Three>(reinterpret_cast<ThreeBits>(v) & mask); }
 
-Three root_of(Three v) { return Three{std::sqrt(v[0]), std::sqrt(v[1]), std::sqrt(v[2]), std::sqrt(v[0])}; }
+Three root_of(Three v) { return Three{std::sqrt(v[0]), std::sqrt(v[1]), std::sqrt(v[2]), 0}; }
 
-/// Returns e^x for x from -80 to 0. The relative error is below 3e-7.
-Three exp_of(Three x) {
-  constexpr float round = 12582912;  // 1.5 * 2^23: the low bits of x + round are the rounded x
-  const Three power = x * 1.44269504f, sum = power + round, f = power - (sum - round);
-  const Three series =
-      1 + f * (0.69314718f +
-               f * (0.24022651f + f * (0.05550411f + f * (0.00961813f + f * (0.00133336f + f * 0.00015404f)))));
-  return reinterpret_cast<Three>(reinterpret_cast<ThreeBits>(series) + (reinterpret_cast<ThreeBits>(sum) << 23));
+/// Returns e^x in the lanes of a mask, and 0 in the others.
+Three exp_of(Three x, ThreeBits mask) {
+  Three result{};
+  for (int i = 0; i < 3; ++i)
+    if (mask[i] != 0) result[i] = std::exp(x[i]);
+  return result;
 }
 
 /// Gaussian in the pictures along the axes.
 struct Flat {
-  Three x, y;        // centre
-  Three xx, xy, yy;  // covariance
-  Three area;        // integral with a peak of 1, divided by 2 pi
-  Three r, g, b, a;  // colour times opacity, relative to grey; opacity with the weight of its contrast
+  Three x, y;         // centre
+  Three xx, xy, yy;   // covariance
+  Three determinant;  // of the covariance
+  Three r, g, b, a;   // colour times opacity, relative to grey; opacity with the weight of its contrast
 
-  void set_area() {
-    const Three determinant = xx * yy - xy * xy;
-    area = root_of(masked(determinant, determinant > 0));
-  }
+  void set_determinant() { determinant = xx * yy - xy * xy; }
 };
 
 /// Returns the integrals of the product of two Gaussians with peaks of 1, divided by 2 pi.
 Three overlap(const Flat& p, const Flat& q) {
   const Three xx = p.xx + q.xx, xy = p.xy + q.xy, yy = p.yy + q.yy, x = p.x - q.x, y = p.y - q.y;
-  const Three determinant = xx * yy - xy * xy, inverse = 1 / determinant;
-  const Three power = -0.5f * (yy * x * x - 2 * xy * x * y + xx * y * y) * inverse;
-  const ThreeBits near = (determinant > 0) & (power >= -20);
-  return masked(p.area * q.area * root_of(masked(inverse, near)) * exp_of(masked(power, near)), near);
+  const Three determinant = xx * yy - xy * xy, both = p.determinant * q.determinant;
+  const Three power = -0.5f * (yy * x * x - 2 * xy * x * y + xx * y * y) / determinant;
+  const ThreeBits none = (determinant > 0) & (power < -20), visible = (determinant > 0) & ~none;
+  return root_of(masked(masked(both, both > 0) / determinant, visible)) * exp_of(power, visible);
 }
 
 Three product(const Flat& p, const Flat& q) { return (p.r * q.r + p.g * q.g + p.b * q.b + p.a * q.a) * overlap(p, q); }
 
-/// Returns the products of a Gaussian with itself.
-Three square(const Flat& p) { return (p.r * p.r + p.g * p.g + p.b * p.b + p.a * p.a) * (0.5f * p.area); }
+/// Returns product(p, p).
+Three square(const Flat& p) {
+  const Three sum = p.r * p.r + p.g * p.g + p.b * p.b + p.a * p.a, both = p.determinant * p.determinant;
+  const Three integral = root_of(masked(both / (4 * p.determinant), p.determinant > 0));
+  return sum * integral;
+}
+
+/// Returns the integrals of Gaussians with peaks of 1, divided by 2 pi.
+Three area_of(const Flat& p) { return root_of(masked(p.determinant, p.determinant > 0)); }
 
 /// Returns the part of both that is seen once although both cover it.
 Flat common(const Flat& p, const Flat& q, float opacity_p, float opacity_q) {
   Flat both;
-  const Three sx = p.xx + q.xx, sxy = p.xy + q.xy, sy = p.yy + q.yy, inverse = 1 / (sx * sy - sxy * sxy);
+  const Three sx = p.xx + q.xx, sxy = p.xy + q.xy, sy = p.yy + q.yy, determinant = sx * sy - sxy * sxy;
   const Three x = q.x - p.x, y = q.y - p.y;
   // Gain of the product: P (P + Q)^-1.
-  const Three ixx = sy * inverse, ixy = -sxy * inverse, iyy = sx * inverse;
+  const Three ixx = sy / determinant, ixy = -sxy / determinant, iyy = sx / determinant;
   const Three kxx = p.xx * ixx + p.xy * ixy, kxy = p.xx * ixy + p.xy * iyy, kyx = p.xy * ixx + p.yy * ixy,
               kyy = p.xy * ixy + p.yy * iyy;
   both.x = p.x + kxx * x + kxy * y;
@@ -123,9 +125,9 @@ Flat common(const Flat& p, const Flat& q, float opacity_p, float opacity_q) {
   both.xx = kxx * q.xx + kxy * q.xy;
   both.xy = kxx * q.xy + kxy * q.yy;
   both.yy = kyx * q.xy + kyy * q.yy;
-  both.set_area();
+  both.set_determinant();
   const Three power = -0.5f * (ixx * x * x + 2 * ixy * x * y + iyy * y * y);
-  const Three peak = exp_of(power > -20 ? power : Three{-20, -20, -20, -20});
+  const Three peak = exp_of(power > -20 ? power : Three{-20, -20, -20, -20}, ThreeBits{-1, -1, -1, 0});
   // Premultiplied colours are opacity x colour: their mean, times both opacities.
   const Three half_p = 0.5f * opacity_q * peak, half_q = 0.5f * opacity_p * peak;
   both.r = p.r * half_p + q.r * half_q;
@@ -148,7 +150,7 @@ Flat flattened(const Blob& blob, const BlobLook& look, float detail) {
   flat.xx = Three{c[0] + d, c[3] + d, c[0] + d, c[0] + d};
   flat.xy = Three{c[1], c[4], c[2], c[1]};
   flat.yy = Three{c[3] + d, c[5] + d, c[5] + d, c[3] + d};
-  flat.set_area();
+  flat.set_determinant();
   flat.r = all(tint.x);
   flat.g = all(tint.y);
   flat.b = all(tint.z);
@@ -174,8 +176,8 @@ Candidate candidate_of(const Blob& blob, float detail, bool leaf) {
 /// Returns two candidates as one blob. An area that both cover counts once.
 Blob joined(const Candidate& a, const Candidate& b) {
   Blob all = merged(a.blob, b.blob);
-  const float twice = a.look.opacity * b.look.opacity * sum_of(overlap(a.flat, b.flat));
-  const float sum = a.look.opacity * sum_of(a.flat.area) + b.look.opacity * sum_of(b.flat.area);
+  const float twice = sum_of(a.look.opacity * b.look.opacity * overlap(a.flat, b.flat));
+  const float sum = sum_of(a.look.opacity * area_of(a.flat) + b.look.opacity * area_of(b.flat));
   if (sum > 0) all.cover *= 1 - std::min(twice / sum, 0.5f);
   return all;
 }
