@@ -19,9 +19,9 @@ constexpr double kExcess = 1.3;
 constexpr int kFadingPictures = 6;
 /// Factors of the number of Gaussians: margin below the goal, bounds of one reduction, and one increase.
 constexpr double kFewer = 0.85, kFewest = 0.5, kSlightlyFewer = 0.95, kMore = 1.25;
-constexpr double kLeastShare = 0.4;  // fraction of the goal that a picture always has for itself
-constexpr double kIdle = 0.65;       // fraction of the goal below which more Gaussians are drawn
-constexpr double kUsed = 0.75;       // fraction of the maximum above which the maximum limits a picture
+constexpr double kLeastPictureShare = 0.4;  // fraction of the goal that a picture always has for itself
+constexpr double kIdle = 0.65;              // fraction of the goal below which more Gaussians are drawn
+constexpr double kUsed = 0.75;              // fraction of the maximum above which the maximum limits a picture
 /// Decoding of views at rest: processor time of the smallest amount, doublings from picture to picture, and maximum.
 constexpr double kAmountSeconds = 0.02;
 constexpr unsigned kMostDoublings = 5;
@@ -41,7 +41,7 @@ double usual_cost(std::size_t level) {
 }  // namespace
 
 /// Returns the maximum time of a frame.
-double PictureDetail::goal() const { return std::max(kGoal, other_ + kLeastShare * kGoal); }
+double PictureDetail::goal() const { return std::max(kGoal, other_ + kLeastPictureShare * kGoal); }
 
 void PictureDetail::choose(std::size_t level) {
   former_ = level_;
