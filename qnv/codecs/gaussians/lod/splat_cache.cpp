@@ -18,7 +18,7 @@ constexpr std::size_t kClustersPerTask = 8, kUsualTasks = 16;
 // States of clusters may use 1 / kStatePart of the memory.
 constexpr std::size_t kStatePart = 2;
 // States keep 1 / kLeastStatePart of the memory, because they are in use while a view becomes finer.
-constexpr std::size_t kLeastStatePart = 16;
+constexpr std::size_t kLeastStatePart = 4;
 // Typical size of a state, in bytes.
 constexpr std::size_t kTypicalState = 12'000;
 
