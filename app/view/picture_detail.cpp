@@ -19,8 +19,13 @@ constexpr double kExcess = 1.3;
 constexpr int kFadingPictures = 6;
 /// Factors of the number of Gaussians: margin below the goal, bounds of one reduction, and one increase.
 constexpr double kFewer = 0.85, kFewest = 0.5, kSlightlyFewer = 0.95, kMore = 1.25;
-constexpr double kIdle = 0.65;       // fraction of the goal below which more Gaussians are drawn
-constexpr double kUsed = 0.75;       // fraction of the maximum above which the maximum limits a picture
+constexpr double kLeastPictureShare = 0.4;  // fraction of the goal that a picture always has for itself
+constexpr double kIdle = 0.65;              // fraction of the goal below which more Gaussians are drawn
+constexpr double kUsed = 0.75;              // fraction of the maximum above which the maximum limits a picture
+/// Decoding of views at rest: processor time of the smallest amount, doublings from picture to picture, and maximum.
+constexpr double kAmountSeconds = 0.02;
+constexpr unsigned kMostDoublings = 5;
+constexpr double kMostAmounts = std::size_t{1} << kMostDoublings;
 constexpr std::size_t kHalving = 4;  // levels that a cancelled picture loses: more than half of its pixels
 constexpr std::size_t kLast = PictureDetail::kQualities.size() - 1;
 /// coarsest level for pictures that are late but complete; only cancelled pictures need a coarser one
@@ -34,6 +39,9 @@ double usual_cost(std::size_t level) {
 }
 
 }  // namespace
+
+/// Returns the maximum time of a frame.
+double PictureDetail::goal() const { return std::max(kGoal, other_ + kLeastPictureShare * kGoal); }
 
 void PictureDetail::choose(std::size_t level) {
   former_ = level_;
@@ -59,13 +67,24 @@ void PictureDetail::learn(std::size_t gaussians) {
 bool PictureDetail::draw_fewer(std::size_t level, std::size_t gaussians) {
   const std::size_t now = std::min(gaussians, most_gaussians_);
   if (level == 0 || excess_ > 0 || now <= kFewestGaussians) return false;
-  const double factor = std::clamp(kFewer * kGoal / mean_, kFewest, kSlightlyFewer);
+  const double factor =
+      std::clamp((kFewer * goal() - other_) / std::max(mean_ - other_, 1e-9), kFewest, kSlightlyFewer);
   most_gaussians_ = std::max(kFewestGaussians, static_cast<std::size_t>(static_cast<double>(now) * factor));
   pictures_ = 0;
   return true;
 }
 
-void PictureDetail::note(std::size_t level, bool given_up, double seconds, std::size_t gaussians) {
+std::size_t PictureDetail::decoded_amounts(unsigned rests) const {
+  if (rests == 0) return 1;
+  // The first picture is in time. Later ones decode for as long as they draw, because each draws all Gaussians again.
+  const double doubled = static_cast<double>(std::size_t{1} << std::min(rests, kMostDoublings));
+  const double seconds = rests == 1 ? kRestGoal - rest_seconds_ : rest_seconds_;
+  return static_cast<std::size_t>(std::clamp(seconds / kAmountSeconds, doubled, kMostAmounts));
+}
+
+void PictureDetail::note(std::size_t level, bool given_up, double seconds, std::size_t gaussians,
+                         double other_seconds) {
+  if (level == 0) rest_seconds_ = given_up ? std::max(rest_seconds_, seconds) : seconds;
   if (given_up) {
     if (level + kHalving <= level_ || level_ == kLast) return;
     choose(std::min(level + kHalving, kLast));
@@ -77,21 +96,22 @@ void PictureDetail::note(std::size_t level, bool given_up, double seconds, std::
   excess_ = level > 0 && static_cast<double>(gaussians) > kExcess * most ? excess_ + 1 : 0;
   if (excess_ > 0 && excess_ <= kFadingPictures) return;
   mean_ = pictures_ == 0 ? seconds : mean_ + kWeight * (seconds - mean_);
+  other_ = pictures_ == 0 ? other_seconds : other_ + kWeight * (other_seconds - other_);
   ++pictures_;
   resting_ = std::max(resting_ - 1, 0);
   if (former_ != level_ && pictures_ == kSlow) return learn(gaussians);
-  if (mean_ > kGoal) {
-    const bool sure = pictures_ >= kSlow || seconds > kFarTooLong * kGoal;
+  if (mean_ > goal()) {
+    const bool sure = pictures_ >= kSlow || seconds > kFarTooLong * goal();
     if (!sure || draw_fewer(level, gaussians) || level >= kCoarsestComplete || resting_ > 0) return;
     std::size_t coarser = level + 1;
     const bool thins = level == 0 && gaussians > most_gaussians_;  // the next level has fewer Gaussians
-    while (!thins && coarser < kCoarsestComplete && mean_ * usual_cost(coarser) > kGoal * usual_cost(level)) ++coarser;
+    while (!thins && coarser < kCoarsestComplete && mean_ * usual_cost(coarser) > goal() * usual_cost(level)) ++coarser;
     return choose(coarser);
   }
   if (level == 0 || pictures_ < kSteady) return;
   const double growth = growth_[level] > 0 ? growth_[level] : usual_cost(level - 1) / usual_cost(level);
-  if (mean_ * growth < kFinerMargin * kGoal) return choose(level - 1);
-  if (mean_ > kIdle * kGoal || static_cast<double>(gaussians) < kUsed * most) return;
+  if (mean_ * growth < kFinerMargin * goal()) return choose(level - 1);
+  if (mean_ > kIdle * goal() || static_cast<double>(gaussians) < kUsed * most) return;
   most_gaussians_ = std::min(kMostGaussians, static_cast<std::size_t>(most * kMore));
   pictures_ = 0;
 }

@@ -169,7 +169,8 @@ bool Viewer::ends() {
 // Stores the thumbnail of the active viewport, if it is new. `rests` means that nothing is drawn in this step.
 void Viewer::keep_thumbnail(bool rests) {
   const View* const seen = session_.view();
-  if (!seen || frame_.loading || !start_page_.wants(*seen, rests, Window::now())) return;
+  // A picture without a clock would wait for the thread that prepares detail.
+  if (!seen || frame_.loading || awaits_finer() || !start_page_.wants(*seen, rests, Window::now())) return;
   ViewerOptions options = options_;
   options.budget = std::min(budget(), kThumbnailVectors);
   const auto made =
@@ -216,7 +217,8 @@ void Viewer::present(double started) {
   window_->present();
   const double seconds = drawn - started + std::min(Window::now() - drawn, kMaxPresenting);
   for (const DrawnPicture& picture : std::exchange(drawn_, {}))
-    details_[picture.pane].note(picture.level, picture.given_up, seconds, picture.gaussians);
+    details_[picture.pane].note(picture.level, picture.given_up, seconds, picture.gaussians,
+                                std::max(seconds - picture.seconds, 0.0));
 }
 
 void Viewer::measure(double started, double now, bool in_motion) {

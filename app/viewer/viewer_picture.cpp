@@ -1,21 +1,30 @@
 #include "app/streams/stream_feed.h"
 #include "app/view/values/slice_scene.h"
 #include "app/viewer/viewer_window.h"
+#include "qnv/codecs/gaussians/lod/splat_stream.h"
 
 #include <algorithm>
 
 namespace gs::app {
 namespace {
 
-// Max vectors of streams that are decoded in a frame for all viewports. Takes about 20 ms of one core.
+// Max vectors of streams that are decoded in a frame for all viewports. Takes about 20 ms of one core. Pictures at rest
+// may decode more.
 constexpr std::size_t kMaxDecoded = 250'000;
 constexpr double kMaxUninterrupted = 0.4;  // seconds of drawing after which new events can cancel a picture
-// Each picture of a view at rest may decode twice as much as the previous one, at most this many times. So the first
-// picture appears soon, and few pictures are necessary.
-constexpr unsigned kMostDoublings = 5;
-constexpr double kMaxAhead = 0.25;  // maximum of the expected drawing time, in seconds
+constexpr double kMaxAhead = 0.25;         // maximum of the expected drawing time, in seconds
 constexpr int kSettlingFramesAfterWait = 3;
 constexpr glm::vec3 kEmptyBackground(0.17f, 0.18f, 0.20f);
+
+/// Returns a counter that increases when streams of Gaussians have more detail.
+std::uint64_t gaussians_revision(const render::RenderList& list) {
+  std::uint64_t revision = 0;
+  for (const render::SplatItem& item : list.splats)
+    if (const auto* gaussians = item.geometry ? item.geometry->as<qnv::Gaussians>() : nullptr;
+        gaussians && gaussians->stream)
+      revision += gaussians->stream->revision();
+  return revision;
+}
 
 }  // namespace
 
@@ -109,9 +118,9 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   source.draw.x = source.draw.y = 0;
   source.draw.most_decoded = 0;
   for (const auto& feed : seen.document->world.feeds) source.grown += feed->applied();
-  source.grown += detail_revision(*seen.list);
+  source.grown += detail_revision(*seen.list) + gaussians_revision(*seen.list);
   for (const View::Over& over : seen.over)
-    if (over.view) source.grown += detail_revision(*over.view->list);
+    if (over.view) source.grown += detail_revision(*over.view->list) + gaussians_revision(*over.view->list);
   if (seen.document->runtime) source.grown += seen.document->runtime->movies().pictures();
   const bool busy = frames_wanted_ > 0 || frame_.moving, same = pictures_.is_same(picture.pane, source);
   if (same && pictures_.stands(picture.pane, busy) && renderer_->show_again(draw)) return;
@@ -122,9 +131,10 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   draw.coarseness = PictureDetail::kQualities[level].coarseness;
   draw.splat_error = PictureDetail::splat_error(level);
   draw.most_gaussians = detail.most_gaussians(level);
-  unsigned& doublings = doublings_[picture.pane];
-  doublings = same && level == 0 ? std::min(doublings + 1, kMostDoublings) : 0;
-  draw.most_decoded <<= doublings;
+  draw.fade = detail.fades(level);
+  unsigned& rests = rests_[picture.pane];
+  rests = same && level == 0 ? rests + 1 : 0;
+  draw.most_decoded *= detail.decoded_amounts(rests);
   if (PictureDetail::kQualities[level].one_sample) draw.samples = 1;
   // Uses the fades of the time at which the picture will be visible.
   draw.time = begin + std::min(picture_seconds_, kMaxAhead);
@@ -150,7 +160,7 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
     pictures_.note(picture.pane, std::move(source), pane.statistics, end - begin);
   if (!given_up || frame_.loading) picture_seconds_ = end - begin;
   if (!given_up || !(frame_.loading || interface_first_))
-    drawn_.push_back({picture.pane, level, given_up, pane.statistics.gaussians});
+    drawn_.push_back({picture.pane, level, given_up, pane.statistics.gaussians, end - begin});
 }
 
 // Tools: measuring, values and slices, saving ------------------------------------------------------

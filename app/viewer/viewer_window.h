@@ -81,7 +81,7 @@ class Viewer final : public WindowOperations, NonCopyable {
   StartPage start_page_;
   PictureLedger pictures_;
   std::array<PictureDetail, kMaxViewports> details_;
-  std::array<unsigned, kMaxViewports> doublings_{};  // of kMaxDecoded, for a view at rest
+  std::array<unsigned, kMaxViewports> rests_{};  // consecutive pictures of a view at rest
   LoadingPace pace_;
   std::string title_;
   PictureMeasures measures_;
@@ -100,6 +100,7 @@ class Viewer final : public WindowOperations, NonCopyable {
     std::size_t pane, level;
     bool given_up;
     std::size_t gaussians;
+    double seconds;  // time of drawing
   };
   std::vector<DrawnPicture> drawn_;  // pictures of the current frame
 };

@@ -15,20 +15,20 @@ namespace {
 constexpr float kMostFloat = std::numeric_limits<float>::max();
 
 namespace baseline {
-#define GAUSSIAN_TARGET
-#define GAUSSIAN_AVX2 0
+#define LANES_TARGET
+#define LANES_AVX2 0
 #include "render/gaussians/gaussian_ellipse_loop.inc"
-#undef GAUSSIAN_TARGET
-#undef GAUSSIAN_AVX2
+#undef LANES_TARGET
+#undef LANES_AVX2
 }  // namespace baseline
 
 #if defined(__x86_64__)
 namespace avx2 {
-#define GAUSSIAN_TARGET __attribute__((target("avx2")))
-#define GAUSSIAN_AVX2 1
+#define LANES_TARGET __attribute__((target("avx2")))
+#define LANES_AVX2 1
 #include "render/gaussians/gaussian_ellipse_loop.inc"
-#undef GAUSSIAN_TARGET
-#undef GAUSSIAN_AVX2
+#undef LANES_TARGET
+#undef LANES_AVX2
 }  // namespace avx2
 #endif
 

@@ -90,11 +90,7 @@ void GaussianLevels::start(const std::shared_ptr<const qnv::Gaussians>& gaussian
   auto work = std::make_shared<Work>();
   work->share = Share(motion.budget, Resource::vectors);
   work->moves = motion.coarseness > 1;
-  if (!work->share.grow(bytes_of_levels(*gaussians))) {
-    work->done = true;
-    entry.work = std::move(work);
-    return;
-  }
+  if (!work->share.grow(bytes_of_levels(*gaussians))) return;  // later pictures try again
   qnv::LodView view = motion.view;
   view.error_pixels /= std::max(motion.coarseness, 1.0f);
   view.budget = 0;
@@ -137,16 +133,20 @@ const std::vector<qnv::SplatRun>* GaussianLevels::cut(const std::shared_ptr<cons
   qnv::SplatStream& stream = *entry.work->stream;
   if (!entry.shown.contains(motion.view.viewport)) {
     if (!moves) return nullptr;
-    // The first cut is as fine as the Gaussians that it replaces. Coarser ones then fade in.
+    // The first cut is as fine as the Gaussians that it replaces, unless the cache has freed a part of it. Coarser ones
+    // then fade in. Drawing all Gaussians until the cut is decoded would make the begin of the motion slow.
     stream.forget(motion.view.viewport);
     (void)stream.cut(fine, motion.time);
-    if (stream.pending()) return nullptr;
     entry.shown[motion.view.viewport].moves = true;
+  }
+  if (!moves && !motion.fades) {
+    entry.shown.erase(motion.view.viewport);
+    return nullptr;
   }
   Shown& shown = entry.shown[motion.view.viewport];
   if (shown.moves && !moves) shown.rests_since = motion.time;
   shown.moves = moves;
-  const std::vector<qnv::SplatRun>& runs = stream.cut(wanted, motion.time);
+  const std::vector<qnv::SplatRun>& runs = stream.cut(wanted, motion.time, motion.fades);
   const bool changes = stream.fading() || stream.pending();
   if (!moves && (!changes || motion.time - shown.rests_since > kSettling)) {
     entry.shown.erase(motion.view.viewport);

@@ -18,6 +18,7 @@ struct GaussianMotion {
   qnv::LodView view;
   float coarseness = 1;              // factor that the error of `view` includes; above 1 while the view moves
   double time = 0;                   // time of the viewport's clock, in seconds
+  bool fades = true;                 // if false, changes are immediate
   std::shared_ptr<Budget> budget{};  // of the world, for the levels; null means no limit
 };
 
@@ -36,8 +37,8 @@ class GaussianLevels : NonCopyable {
   ~GaussianLevels();
 
   /// Returns the runs to draw for a view, or null if all Gaussians must be drawn. Starts to encode them if `eager`, or
-  /// if the view moves, unless the budget refuses the memory for levels. Sets `pending` if the next picture of the view
-  /// will differ. The runs are valid until the next call.
+  /// if the view moves, unless the budget refuses the memory for levels. Later calls then try again. Sets `pending` if
+  /// the next picture of the view will differ. The runs are valid until the next call.
   [[nodiscard]] const std::vector<qnv::SplatRun>* cut(const std::shared_ptr<const qnv::Gaussians>& gaussians,
                                                       const GaussianMotion& motion, bool eager, bool& pending);
   /// Reports whether a thread encodes Gaussians.

@@ -19,6 +19,21 @@
 #include <vector>
 
 namespace gs::render {
+
+/// Gaussians of one image. held[i] owns the data of items[i].
+struct GaussianScene {
+  std::vector<std::shared_ptr<const qnv::Gaussians>> held;
+  std::vector<GaussianItem> items;
+  bool pending = false;  // the next image of this view will differ
+  bool working = false;  // another thread prepares more detail
+
+  void note(FrameStatistics& statistics) const {
+    statistics.pending = statistics.pending || pending;
+    statistics.working = statistics.working || working;
+    for (const GaussianItem& item : items) statistics.gaussians += item.count;
+  }
+};
+
 namespace {
 
 // Number of vectors that take as long to decode as one Gaussian.
@@ -28,18 +43,6 @@ const qnv::Gaussians* gaussians_of(const SplatItem& item) {
   const auto* gaussians = item.geometry ? item.geometry->as<qnv::Gaussians>() : nullptr;
   return gaussians && !gaussians->nothing() ? gaussians : nullptr;
 }
-
-/// Gaussians of one image. held[i] owns the data of items[i].
-struct GaussianScene {
-  std::vector<std::shared_ptr<const qnv::Gaussians>> held;
-  std::vector<GaussianItem> items;
-  bool pending = false;  // the next image of this view will differ
-
-  void note(FrameStatistics& statistics) const {
-    statistics.pending = statistics.pending || pending;
-    for (const GaussianItem& item : items) statistics.gaussians += item.count;
-  }
-};
 
 /// Collects the Gaussians of an image.
 class GaussianCollector {
@@ -116,8 +119,9 @@ class GaussianCollector {
         if (options_.most_decoded > 0)
           view->most_decoded = std::max<std::size_t>(options_.most_decoded / kDecodingCost, 1);
         // A GPU is usually fast enough. So with OpenGL, levels start only with a slow motion.
-        if (const auto* runs = levels_.cut(shared, {*view, options_.splat_error, *options_.time, list_.budget},
-                                           !with_gl_, scene_.pending))
+        if (const auto* runs =
+                levels_.cut(shared, {*view, options_.splat_error, *options_.time, options_.fade, list_.budget},
+                            !with_gl_, scene_.pending))
           return add_runs(item, *runs);
       }
     scene_.held.push_back(std::move(shared));
@@ -133,9 +137,10 @@ class GaussianCollector {
     if (!lod) return;
     if (options_.most_decoded > 0)
       lod->most_decoded = std::max<std::size_t>(decodable_ / (kDecodingCost * streams_--), 1);
-    const std::vector<qnv::SplatRun>& runs = stream.cut(*lod, options_.time);
+    const std::vector<qnv::SplatRun>& runs = stream.cut(*lod, options_.time, options_.fade);
     decodable_ -= std::min(decodable_, kDecodingCost * stream.statistics().decoded);
     scene_.pending = scene_.pending || stream.pending() || stream.fading();
+    scene_.working = scene_.working || stream.repairing();
     add_runs(item, runs);
   }
 
@@ -169,6 +174,14 @@ class GaussianCollector {
 GaussianPass::GaussianPass(const Gl& gl, SortMethod sort)
     : gl_(gl), target_(gl), gaussian_gl_(gl, sort), overlay_(gl) {}
 
+GaussianPass::~GaussianPass() = default;
+
+std::shared_ptr<const GaussianScene> GaussianPass::collect(const RenderList& list, const Camera& camera,
+                                                           const DrawOptions& options, const SplatView& view) {
+  return std::make_shared<const GaussianScene>(
+      GaussianCollector(gl_, list, camera, options, view, levels_, with_gl(options)).collect());
+}
+
 bool GaussianPass::with_gl(const DrawOptions& options) const {
   return options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl_.software);
 }
@@ -176,13 +189,16 @@ bool GaussianPass::with_gl(const DrawOptions& options) const {
 std::optional<VolumePass::Overlap> GaussianPass::overlap(const RenderList& list, const Camera& camera,
                                                          const Projection& projection, const DrawOptions& options,
                                                          FrameStatistics& statistics) {
+  collected_ = nullptr;
   if (!do_boxes_of_gaussians_and_volumes_overlap(list)) return std::nullopt;
   levels_.forget_unused();
   const SplatView view = viewport_view(camera, projection, options);
-  const auto scene = std::make_shared<const GaussianScene>(
-      GaussianCollector(gl_, list, camera, options, view, levels_, with_gl(options)).collect());
+  auto scene = collect(list, camera, options, view);
   const auto shared = shared_depths(scene->items, volume_boxes(list, camera), view);
-  if (!shared) return std::nullopt;
+  if (!shared) {
+    collected_ = std::move(scene);
+    return std::nullopt;
+  }
   scene->note(statistics);
   VolumePass::Overlap made;
   made.shared = *shared;
@@ -205,10 +221,12 @@ void GaussianPass::draw(const RenderList& list, const Camera& camera, const Proj
                         const DrawOptions& options, FrameStatistics& statistics, bool any_opaque) {
   gaussian_gl_.forget_unused();
   levels_.forget_unused();
-  if (std::none_of(list.splats.begin(), list.splats.end(), gaussians_of)) return;
+  if (std::none_of(list.splats.begin(), list.splats.end(), gaussians_of)) return note_picture_without_gaussians();
   const SplatView view = viewport_view(camera, projection, options);
   const TargetRectangle rectangle{options.x, options.y, options.width, options.height};
-  const GaussianScene scene = GaussianCollector(gl_, list, camera, options, view, levels_, with_gl(options)).collect();
+  std::shared_ptr<const GaussianScene> collected = std::exchange(collected_, nullptr);
+  if (!collected) collected = collect(list, camera, options, view);
+  const GaussianScene& scene = *collected;
   scene.note(statistics);
   if (with_gl(options)) {
     if (const auto splats =

@@ -10,9 +10,12 @@
 #include "render/volume/volume_pass.h"
 #include "render/volume/volume_target.h"
 
+#include <memory>
 #include <optional>
 
 namespace gs::render {
+
+struct GaussianScene;
 
 /// Pass for the Gaussians of a RenderList (only SplatItems with qnv::Gaussians). Blends all splats in depth order, with
 /// OpenGL or on the CPU, over the existing image, which hides splats behind it per sample. Uses only the transparency
@@ -20,6 +23,7 @@ namespace gs::render {
 class GaussianPass {
  public:
   explicit GaussianPass(const Gl& gl, SortMethod sort = SortMethod::automatic);
+  ~GaussianPass();
 
   /// Draws the Gaussians. Call it after all opaque content; `any_opaque` is false if there is none. `camera` must have
   /// near and far planes. Leaves blending and the depth test off, and depth writes on.
@@ -27,7 +31,8 @@ class GaussianPass {
             FrameStatistics& statistics, bool any_opaque = true);
 
   /// Returns the Gaussians if some of them are inside of volumes, so that the pass of the volumes must draw both.
-  /// Otherwise returns nullopt. Valid until the list or the pass changes.
+  /// Otherwise returns nullopt; then the next draw() must have the same arguments. Valid until the list or the pass
+  /// changes.
   [[nodiscard]] std::optional<VolumePass::Overlap> overlap(const RenderList& list, const Camera& camera,
                                                            const Projection& projection, const DrawOptions& options,
                                                            FrameStatistics& statistics);
@@ -39,9 +44,12 @@ class GaussianPass {
 
  private:
   [[nodiscard]] bool with_gl(const DrawOptions& options) const;
+  [[nodiscard]] std::shared_ptr<const GaussianScene> collect(const RenderList& list, const Camera& camera,
+                                                             const DrawOptions& options, const SplatView& view);
 
   const Gl& gl_;
   GaussianLevels levels_;
+  std::shared_ptr<const GaussianScene> collected_;  // Gaussians for the next draw(), from overlap(); else null
   VolumeTarget target_;
   GaussianGl gaussian_gl_;
   TargetDepths depths_;

@@ -146,19 +146,37 @@ void project_gaussians(const GaussianItem& item, const SplatView& view, std::siz
     for (std::uint32_t placed = eight.placed; placed != 0; placed &= placed - 1) {
       const auto k = static_cast<std::size_t>(std::countr_zero(placed));
       const std::size_t i = begin + k;
-      const glm::vec3 seen(eight.seen_x[k], eight.seen_y[k], eight.seen_z[k]);
-      GaussianSplat splat;
+      const glm::vec3 seen(eight.seen_x.data()[k], eight.seen_y.data()[k], eight.seen_z.data()[k]);
+      GaussianSplat surfel_splat;
       GaussianSurfel surfel;
       const glm::vec3& scales = g.scales.data()[i];
       bool flat = scales.z == 0 && scales.x > 0 && scales.y > 0;
       if (flat) {
         const glm::vec4& q = g.rotations[i];
         const glm::mat3 axes = linear * glm::mat3_cast(glm::quat(q.w, q.x, q.y, q.z));
-        flat = shape_surfel(view_lens, {seen, axes[0] * scales.x, axes[1] * scales.y, eight.opacity[k]}, splat, surfel);
-        if (flat && !is_in_view(view_lens, splat)) continue;
+        flat = shape_surfel(view_lens, {seen, axes[0] * scales.x, axes[1] * scales.y, eight.opacity[k]}, surfel_splat,
+                            surfel);
+        if (flat && !is_in_view(view_lens, surfel_splat)) continue;
       }
-      if (!flat) {
-        if ((eight.visible >> k & 1) == 0) continue;
+      if (!flat && (eight.visible >> k & 1) == 0) continue;
+      const glm::vec3* const harmonics = per == 0 ? nullptr : g.harmonics.data() + i * per;
+      glm::vec3 away(0), color;
+      float length = 0;
+      if (harmonics) {
+        away = g.positions.data()[i] - eye;
+        length = std::sqrt(glm::dot(away, away));
+      }
+      color =
+          gaussian_color(g.bases.data()[i], harmonics, length > 0 ? g.degree : 0, length > 0 ? away / length : away);
+      if (item.fog.on) color = fogged(item.fog, color, seen);
+      if (!std::isfinite(color.x + color.y + color.z)) continue;
+      // Writes the splat in place, because a copy of new fields from the stack would wait for their stores.
+      GaussianSplat& splat = out.splats.emplace_back();
+      if (flat) {
+        splat = surfel_splat;
+        splat.surfel = static_cast<std::int32_t>(out.surfels.size());
+        out.surfels.push_back(surfel);
+      } else {
         splat.x = eight.x.data()[k];
         splat.y = eight.y.data()[k];
         splat.xx = eight.xx.data()[k];
@@ -169,29 +187,13 @@ void project_gaussians(const GaussianItem& item, const SplatView& view, std::siz
         splat.right = eight.right.data()[k];
         splat.bottom = eight.bottom.data()[k];
         splat.top = eight.top.data()[k];
+        splat.surfel = -1;
       }
-      const glm::vec3* const harmonics = per == 0 ? nullptr : g.harmonics.data() + i * per;
-      glm::vec3 away(0), color;
-      float length = 0;
-      if (harmonics) {
-        away = g.positions[i] - eye;
-        length = std::sqrt(glm::dot(away, away));
-      }
-      color =
-          gaussian_color(g.bases.data()[i], harmonics, length > 0 ? g.degree : 0, length > 0 ? away / length : away);
-      if (item.fog.on) color = fogged(item.fog, color, seen);
-      if (!std::isfinite(color.x + color.y + color.z)) continue;
       splat.red = color.x;
       splat.green = color.y;
       splat.blue = color.z;
       splat.depth = splat.least_depth = -seen.z;
-      splat.surfel = -1;
-      if (flat) {
-        splat.surfel = static_cast<std::int32_t>(out.surfels.size());
-        out.surfels.push_back(surfel);
-      }
-      out.splats.push_back(splat);
-      out.distances.push_back(eight.distance[k]);
+      out.distances.push_back(eight.distance.data()[k]);
     }
   }
 }

@@ -1,7 +1,7 @@
 #include "render/gaussians/gaussian_raster.h"
 
 #include "base/parallel.h"
-#include "render/gaussians/gaussian_order.h"
+#include "render/gaussians/gaussian_arrays.h"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,6 @@
 #include <functional>
 #include <limits>
 #include <memory>
-#include <mutex>
 #include <numeric>
 #include <utility>
 
@@ -24,48 +23,9 @@ constexpr std::size_t kMostEntries = std::size_t{1} << 21;          // entries i
 constexpr int kRegionTiles = 4;                                     // tiles along the side of a region
 constexpr int kRegion = kRegionTiles * kGaussianTile;               // pixels along the side of a region
 constexpr std::size_t kPrefetched = 16;                             // splats between a prefetch and its use
-constexpr std::size_t kMostKeptBytes = std::size_t{128} << 20;      // bytes of arrays that the next picture reuses
 constexpr std::size_t kGatheredSplats = 512;                        // splats of a region to blend together
-
-/// Tiles that a splat touches, inclusive.
-struct TileRange {
-  std::uint16_t left, right, bottom, top;
-};
-
-/// Data of a splat for the lists.
-struct PlacedGaussian {
-  TileRange tiles;
-  float depth;          // along the view axis
-  std::uint32_t index;  // kProjectedRange * task + index in the task
-};
-
-/// Splat in the list of a region.
-struct ListedGaussian {
-  std::uint32_t index;                    // as in PlacedGaussian
-  std::uint8_t left, right, bottom, top;  // tiles of the region that it touches, inclusive
-};
-
-template <class T>
-std::size_t capacity_bytes(const std::vector<T>& array) {
-  return array.capacity() * sizeof(T);
-}
-
-/// Splats of one projection task.
-struct ProjectedPart {
-  ProjectedGaussians projected;
-  std::vector<PlacedGaussian> places;
-
-  void clear() {
-    projected.splats.clear();
-    projected.distances.clear();
-    projected.surfels.clear();
-    places.clear();
-  }
-  [[nodiscard]] std::size_t bytes() const {
-    return capacity_bytes(projected.splats) + capacity_bytes(projected.distances) + capacity_bytes(projected.surfels) +
-           capacity_bytes(places);
-  }
-};
+constexpr std::uint32_t kFirstColumn = 0x1111;                      // bits of the first tile in each row of a region
+static_assert(kRegionTiles == 4);
 
 TileRange tiles_of(const GaussianSplat& splat, const SplatView& view) {
   const auto tile = [](float pixel, int count) {
@@ -76,8 +36,9 @@ TileRange tiles_of(const GaussianSplat& splat, const SplatView& view) {
           tile(splat.top, view.height)};
 }
 
-/// Projects all splats, in tasks of kProjectedRange input splats. A task may have splats of several items.
-void project_all(std::span<const GaussianItem> items, const SplatView& view, std::vector<ProjectedPart>& parts) {
+/// Projects all splats, in tasks of kProjectedRange input splats. A task may have splats of several items. Returns the
+/// number of tasks. Keeps further parts, so that a later picture with more splats reuses them.
+std::size_t project_all(std::span<const GaussianItem> items, const SplatView& view, std::vector<ProjectedPart>& parts) {
   struct Run {
     std::size_t item, first, last;
   };
@@ -96,9 +57,10 @@ void project_all(std::span<const GaussianItem> items, const SplatView& view, std
     }
   }
   if (listed > 0) tasks.push_back(runs.size());
-  parts.resize(tasks.size() - 1);
+  const std::size_t count = tasks.size() - 1;
+  if (parts.size() < count) parts.resize(count);
   parallel_for(
-      parts.size(),
+      count,
       [&](std::size_t t) {
         ProjectedPart& part = parts[t];
         part.clear();
@@ -110,45 +72,17 @@ void project_all(std::span<const GaussianItem> items, const SplatView& view, std
           part.places.push_back({tiles_of(splat, view), splat.depth, index++});
       },
       view.threads);
+  return count;
 }
 
-/// Arrays of a picture. The next picture reuses them, because the system must clear the pages of new arrays.
-struct GaussianArrays {
-  std::vector<ProjectedPart> parts;
-  std::vector<GaussianKey> keys, moved_keys;
-  std::vector<PlacedGaussian> ordered;
-  std::vector<std::uint32_t> counts;  // entries of each region, for each range of splats
-  std::vector<ListedGaussian> listed;
-
-  [[nodiscard]] std::size_t bytes() const {
-    std::size_t sum = capacity_bytes(keys) + capacity_bytes(moved_keys) + capacity_bytes(ordered) +
-                      capacity_bytes(counts) + capacity_bytes(listed);
-    for (const ProjectedPart& part : parts) sum += part.bytes();
-    return sum;
-  }
-};
-
-/// Arrays of the last picture, unless they are large. Any thread.
-class KeptArrays {
- public:
-  [[nodiscard]] std::unique_ptr<GaussianArrays> take() {
-    const std::lock_guard lock(mutex_);
-    return kept_ ? std::move(kept_) : std::make_unique<GaussianArrays>();
-  }
-  void give_back(std::unique_ptr<GaussianArrays> arrays) {
-    if (arrays->bytes() > kMostKeptBytes) return;
-    const std::lock_guard lock(mutex_);
-    kept_ = std::move(arrays);
-  }
-
- private:
-  std::mutex mutex_;
-  std::unique_ptr<GaussianArrays> kept_;
-};
+KeptGaussianArrays& kept_arrays() {
+  static KeptGaussianArrays kept;
+  return kept;
+}
 
 /// Sorts the splats by ascending distance from the eye. The sort is stable.
 void put_in_order(GaussianArrays& arrays, const SplatView& view) {
-  const std::span<const ProjectedPart> parts = arrays.parts;
+  const std::span<const ProjectedPart> parts = std::span(arrays.parts).first(arrays.used_parts);
   std::vector<GaussianKey>& keys = arrays.keys;
   std::vector<PlacedGaussian>& ordered = arrays.ordered;
   std::vector<std::size_t> starts;
@@ -370,6 +304,13 @@ class GaussianPainter {
     return parts_.data()[index / kProjectedRange].projected.splats.data() + index % kProjectedRange;
   }
 
+  /// Returns the tiles of a region that a splat touches, one bit each.
+  static std::uint32_t tiles_of(const ListedGaussian& listed) {
+    const std::uint32_t columns = (2u << listed.right) - (1u << listed.left),
+                        rows = (0x10u << kRegionTiles * listed.top) - (1u << kRegionTiles * listed.bottom);
+    return rows & columns * kFirstColumn;
+  }
+
   void blend(std::size_t region, std::span<const ListedGaussian> list, const Target& target,
              GaussianRegion& state) const {
     const int left = static_cast<int>(region % static_cast<std::size_t>(columns_)) * kRegion,
@@ -379,28 +320,30 @@ class GaussianPainter {
     std::array<GaussianSplat, kGatheredSplats> splats;
     std::vector<GaussianSurfel> surfels;
     std::array<std::array<std::uint16_t, kGatheredSplats>, GaussianRegion::kTiles> orders;
-    for (std::size_t first = 0; first < list.size() && state.open != 0; first += kGatheredSplats) {
+    for (std::size_t next = 0; next < list.size() && state.open != 0;) {
       std::array<std::size_t, GaussianRegion::kTiles> counts{};
       surfels.clear();
-      const std::size_t size = std::min(kGatheredSplats, list.size() - first);
-      for (std::size_t i = 0; i < size; ++i) {
-        __builtin_prefetch(splat_of(list.data()[std::min(first + i + kPrefetched, list.size() - 1)].index));
-        const ListedGaussian& listed = list.data()[first + i];
-        GaussianSplat& splat = splats.data()[i];
+      for (std::size_t size = 0; next < list.size() && size < kGatheredSplats; ++next) {
+        const ListedGaussian& ahead = list.data()[std::min(next + kPrefetched, list.size() - 1)];
+        if ((tiles_of(ahead) & state.open) != 0) __builtin_prefetch(splat_of(ahead.index));
+        const ListedGaussian& listed = list.data()[next];
+        std::uint32_t open = tiles_of(listed) & state.open;
+        if (open == 0) continue;
+        GaussianSplat& splat = splats.data()[size];
         splat = *splat_of(listed.index);
         if (splat.surfel >= 0) {
           surfels.push_back(
               parts_[listed.index / kProjectedRange].projected.surfels[static_cast<std::size_t>(splat.surfel)]);
           splat.surfel = static_cast<std::int32_t>(surfels.size() - 1);
         }
-        for (unsigned row = listed.bottom; row <= listed.top; ++row)
-          for (unsigned column = listed.left; column <= listed.right; ++column) {
-            const unsigned tile = kRegionTiles * row + column;
-            orders.data()[tile].data()[counts.data()[tile]++] = static_cast<std::uint16_t>(i);
-          }
+        for (; open != 0; open &= open - 1) {
+          const int tile = std::countr_zero(open);
+          orders.data()[tile].data()[counts.data()[tile]++] = static_cast<std::uint16_t>(size);
+        }
+        ++size;
       }
       for (std::size_t tile = 0; tile < GaussianRegion::kTiles; ++tile) {
-        if (counts[tile] == 0 || (state.open >> tile & 1) == 0) continue;
+        if (counts[tile] == 0) continue;
         const int x = left + static_cast<int>(tile) % kRegionTiles * kGaussianTile,
                   y = bottom + static_cast<int>(tile) / kRegionTiles * kGaussianTile;
         if ((state.used >> tile & 1) == 0) begin(state.tiles[tile], x, y, target);
@@ -469,17 +412,18 @@ class GaussianPainter {
 VolumeLayer rasterize_gaussians(std::span<const GaussianItem> items, const SplatView& view, const VolumeStops& stops,
                                 bool with_depths) {
   if (view.width <= 0 || view.height <= 0) return {};
-  static KeptArrays kept;
-  std::unique_ptr<GaussianArrays> arrays = kept.take();
-  project_all(items, view, arrays->parts);
+  std::unique_ptr<GaussianArrays> arrays = kept_arrays().take();
+  arrays->used_parts = project_all(items, view, arrays->parts);
   put_in_order(*arrays, view);
   VolumeLayer layer;
   if (!arrays->ordered.empty()) {
     if (!stops.near.empty()) set_least_depths(arrays->parts, arrays->ordered);
     layer = GaussianPainter(*arrays, view, stops, with_depths).paint();
   }
-  kept.give_back(std::move(arrays));
+  kept_arrays().give_back(std::move(arrays));
   return layer;
 }
+
+void note_picture_without_gaussians() { kept_arrays().note_idle(); }
 
 }  // namespace gs::render

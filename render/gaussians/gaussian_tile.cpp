@@ -32,35 +32,35 @@ constexpr GroupMasks kGroupMasks = [] {
 }();
 
 namespace baseline {
-#define GAUSSIAN_TARGET
-#define GAUSSIAN_AVX2 0
-#define GAUSSIAN_AVX512 0
+#define LANES_TARGET
+#define LANES_AVX2 0
+#define LANES_AVX512 0
 #include "render/gaussians/gaussian_tile_loop.inc"
-#undef GAUSSIAN_TARGET
-#undef GAUSSIAN_AVX2
-#undef GAUSSIAN_AVX512
+#undef LANES_TARGET
+#undef LANES_AVX2
+#undef LANES_AVX512
 }  // namespace baseline
 
 #if defined(__x86_64__)
 namespace avx2 {
-#define GAUSSIAN_TARGET __attribute__((target("avx2,bmi")))
-#define GAUSSIAN_AVX2 1
-#define GAUSSIAN_AVX512 0
+#define LANES_TARGET __attribute__((target("avx2,bmi")))
+#define LANES_AVX2 1
+#define LANES_AVX512 0
 #include "render/gaussians/gaussian_tile_loop.inc"
-#undef GAUSSIAN_TARGET
-#undef GAUSSIAN_AVX2
-#undef GAUSSIAN_AVX512
+#undef LANES_TARGET
+#undef LANES_AVX2
+#undef LANES_AVX512
 }  // namespace avx2
 
 // Without AVX-512VL, GCC keeps vectors of eight numbers in AVX2, where their comparisons are faster.
 namespace avx512 {
-#define GAUSSIAN_TARGET __attribute__((target("avx2,bmi,bmi2,avx512f")))
-#define GAUSSIAN_AVX2 1
-#define GAUSSIAN_AVX512 1
+#define LANES_TARGET __attribute__((target("avx2,bmi,bmi2,avx512f")))
+#define LANES_AVX2 1
+#define LANES_AVX512 1
 #include "render/gaussians/gaussian_tile_loop.inc"
-#undef GAUSSIAN_TARGET
-#undef GAUSSIAN_AVX2
-#undef GAUSSIAN_AVX512
+#undef LANES_TARGET
+#undef LANES_AVX2
+#undef LANES_AVX512
 }  // namespace avx512
 #endif
 

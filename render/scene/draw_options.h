@@ -52,6 +52,7 @@ struct DrawOptions {
   std::uint32_t viewport = 0;  // index of the viewport; each viewport has its own level of detail
   std::optional<double> time;  // seconds of the viewport's clock, for fades; nullopt means no fades
   float splat_error = 1;  // error of streams of Gaussians, in pixels; a larger error gives fewer Gaussians
+  bool fade = true;  // if false, changes of Gaussians are immediate, even with a `time`
   std::size_t most_gaussians = 0;  // maximum Gaussians of all items in a changing picture; 0 means unlimited
   std::size_t most_decoded = 0;  // maximum splats to decode for this frame; 0 means unlimited
   CancellationCheck go_on;  // called several times per second; returns false to cancel the rest of the frame

@@ -155,6 +155,65 @@ TEST_CASE("keeps the number of Gaussians during fades, and reduces the resolutio
   CHECK(PictureDetail::kQualities[few.level(true)] == PictureQuality{true, 2});
 }
 
+TEST_CASE("keeps Gaussians and resolution if Scripts or the interface make frames slow") {
+  PictureDetail detail;
+  const auto draw_frames = [&](int frames, double each, double others) {
+    for (int i = 0; i < frames; ++i) {
+      const std::size_t level = detail.level(true),
+                        count = level == 0 ? 2'000'000 : std::min<std::size_t>(2'000'000, detail.most_gaussians(level));
+      const double picture = 0.002 + each * static_cast<double>(count);
+      detail.note(level, false, picture + others, count, others);
+    }
+  };
+  draw_frames(200, 60e-9, 0.2);
+  // The picture has 40 % of the goal.
+  CHECK(detail.level(true) == 1);
+  CHECK(detail.most_gaussians(1) > 250'000);
+  CHECK(detail.most_gaussians(1) < 450'000);
+  draw_frames(300, 60e-9, 0.002);
+  CHECK(detail.level(true) == 1);
+  CHECK(detail.most_gaussians(1) > 600'000);
+  // A fast picture stays at full quality.
+  PictureDetail fast;
+  for (int i = 0; i < 100; ++i) fast.note(fast.level(true), false, 0.31, 0, 0.3);
+  CHECK(fast.level(true) == 0);
+}
+
+TEST_CASE("fades Gaussians at rest only if pictures are fast enough") {
+  PictureDetail detail;
+  CHECK(detail.fades(0));
+  detail.note(0, false, 0.02, 100'000);
+  CHECK(detail.fades(0));
+  detail.note(0, false, 0.2, 2'000'000);
+  CHECK_FALSE(detail.fades(0));
+  CHECK(detail.fades(1));
+  detail.note(1, false, 0.05, 300'000);
+  CHECK_FALSE(detail.fades(0));
+  detail.note(0, false, 0.03, 2'000'000);
+  CHECK(detail.fades(0));
+  detail.note(0, true, 0.5);
+  CHECK_FALSE(detail.fades(0));
+}
+
+TEST_CASE("decodes for the first picture at rest as much as its time allows, and for later ones at least as much") {
+  PictureDetail fast, slow, late;
+  fast.note(0, false, 0.05);
+  slow.note(0, false, 0.2);
+  late.note(0, false, 0.6);
+  for (PictureDetail* const detail : {&fast, &slow, &late}) {
+    CHECK(detail->decoded_amounts(0) == 1);
+    for (unsigned rests = 1; rests < 12; ++rests) {
+      CHECK(detail->decoded_amounts(rests) >= std::min(std::size_t{1} << rests, std::size_t{32}));
+      CHECK(detail->decoded_amounts(rests) <= 32);
+    }
+  }
+  CHECK(fast.decoded_amounts(1) == 10);
+  CHECK(slow.decoded_amounts(1) == 2);
+  CHECK(slow.decoded_amounts(2) == 10);
+  CHECK(late.decoded_amounts(1) == 2);
+  CHECK(late.decoded_amounts(2) == 30);
+}
+
 TEST_CASE("lowers the quality after pictures that the user's input cancelled") {
   PictureDetail detail;
   detail.note(0, true, 0.4);

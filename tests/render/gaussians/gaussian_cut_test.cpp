@@ -121,6 +121,24 @@ TEST_CASE("cuts of Gaussians change without popping") {
   CHECK(least_faded > least_sudden + 4);
 }
 
+TEST_CASE("draws equal Gaussians after pictures with more, fewer and no Gaussians") {
+  const qnv::Gaussians many = test::splat_cloud(30'000), few = test::splat_cloud(500);
+  const SplatView view = view_from(20);
+  const auto drawn = [&](const qnv::Gaussians& gaussians) {
+    GaussianItem item;
+    item.gaussians = &gaussians;
+    item.camera_from_node = view.camera_from_node;
+    item.count = gaussians.size();
+    return rasterize_gaussians({&item, 1}, view).pixels;
+  };
+  const Pixels first = drawn(few), second = drawn(many);
+  CHECK(first != second);
+  CHECK(drawn(few) == first);
+  CHECK(drawn(many) == second);
+  for (int i = 0; i < 20; ++i) note_picture_without_gaussians();
+  CHECK(drawn(few) == first);
+}
+
 TEST_CASE("two shares of a Gaussian have about the opacity of the whole one") {
   for (const float opacity : {0.1f, 0.6f, 0.99f}) {
     float last = 0;

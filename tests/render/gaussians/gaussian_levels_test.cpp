@@ -139,6 +139,24 @@ TEST_CASE("draws fewer Gaussians of a file while the view moves, and all of them
   CHECK(levels.cut(all, motion_of(view_from(away), 1, time), false, pending) == nullptr);
 }
 
+TEST_CASE("draws all Gaussians of a file at once after a motion if changes do not fade") {
+  const auto all = cloud(20'000);
+  GaussianLevels levels(1000);
+  bool pending = false;
+  (void)levels.cut(all, motion_of(view_from(20), 2.5f, 1), false, pending);
+  wait_for(levels);
+  CHECK(levels.cut(all, motion_of(view_from(20), 2.5f, 1), false, pending) != nullptr);
+  pending = false;
+  GaussianMotion rest = motion_of(view_from(20), 1, 1.05);
+  rest.fades = false;
+  CHECK(levels.cut(all, rest, false, pending) == nullptr);
+  CHECK_FALSE(pending);
+  // The next motion starts as fine as the Gaussians.
+  const Runs* const runs = levels.cut(all, motion_of(view_from(20), 2.5f, 1.1), false, pending);
+  REQUIRE(runs);
+  CHECK(decibels(picture(all, runs, view_from(20)), picture(all, nullptr, view_from(20))) > 40);
+}
+
 TEST_CASE("gives up the levels of Gaussians that are replaced, and starts again with the next motion") {
   auto first = cloud(20'000);
   GaussianLevels levels(1000, std::chrono::hours(1));
@@ -209,6 +227,35 @@ TEST_CASE("charges levels to the budget of the world, and does without if it ref
   CHECK_FALSE(levels.working());
   CHECK_FALSE(draw(levels, small));
   CHECK(small->used(Resource::vectors) == 0);
+  // Once other data is freed, the Gaussians get their levels.
+  {
+    Share other(budget, Resource::vectors);
+    REQUIRE(other.grow(budget->left(Resource::vectors)));
+    CHECK_FALSE(draw(levels, budget));
+    CHECK_FALSE(levels.working());
+  }
+  CHECK_FALSE(draw(levels, budget));
+  wait_for(levels);
+  CHECK(draw(levels, budget));
+}
+
+TEST_CASE("moves with coarse Gaussians at once if the cache has freed the fine ones") {
+  const auto all = cloud(20'000);
+  GaussianLevels levels(1000);
+  bool pending = false;
+  GaussianMotion motion = motion_of(view_from(20), 2.5f, 1);
+  (void)levels.cut(all, motion, false, pending);
+  wait_for(levels);
+  motion.view.most_decoded = 1;
+  // The levels of this part of the view are not decoded yet.
+  motion.view.eye = {0, 0, 0.5f};
+  const Runs* const runs = levels.cut(all, motion, false, pending);
+  REQUIRE(runs);
+  CHECK(pending);
+  std::size_t count = 0;
+  for (const qnv::SplatRun& run : *runs) count += run.count;
+  CHECK(count > 0);
+  CHECK(count < all->size());
 }
 
 TEST_CASE("has no levels of few or invalid Gaussians") {

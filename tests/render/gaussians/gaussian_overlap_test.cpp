@@ -1,6 +1,9 @@
 #include "render/gaussians/gaussian_overlap.h"
 
+#include "qnv/codecs/gaussians/encode/gaussians_stream.h"
+#include "qnv/codecs/gaussians/lod/splat_stream.h"
 #include "render/gaussians/gaussian_pass.h"
+#include "tests/qnv/splat_clouds.h"
 #include "tests/render/gaussians/gaussian_scenes.h"
 #include "tests/render/volume_scenes.h"
 
@@ -11,6 +14,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <variant>
 
 namespace gs::render::gaussian_overlap_test {
 
@@ -160,6 +164,36 @@ TEST_CASE("does not draw volumes and Gaussians together if only the boxes of all
   other.world_from_node = translation({-4, 0, 0});
   list.splats.push_back(other);
   CHECK_FALSE(do_boxes_of_gaussians_and_volumes_overlap(list));
+}
+
+TEST_CASE("cuts a stream of Gaussians once per picture if only its box overlaps a volume") {
+  RenderList list = haze_with_gaussians(20);
+  const auto encoded = qnv::encode_gaussians(splat_cloud(6000), {});
+  auto opened = qnv::SplatStream::open(std::get<qnv::EncodedStream>(encoded).bytes);
+  qnv::Gaussians gaussians;
+  gaussians.stream = std::get<std::unique_ptr<qnv::SplatStream>>(std::move(opened));
+  qnv::SplatStream& stream = *gaussians.stream;
+  gaussians.description.box = stream.box();
+  for (const float corner : {-8.0f, 8.0f}) gaussians.description.box.add(glm::vec3(corner));
+  list.splats[1].geometry = std::make_shared<const qnv::Geometry>(std::move(gaussians));
+  list.splats[1].world_from_node = translation({2, 0, -4});
+  REQUIRE(do_boxes_of_gaussians_and_volumes_overlap(list));
+  Picture picture(1);
+  picture.options.splats = SplatPath::cpu;
+  picture.options.most_decoded = 4000;
+  picture.options.time = 1;
+  std::size_t cached = 0;
+  for (int frame = 0; frame < 3; ++frame) {
+    picture.statistics = {};
+    CHECK_FALSE(
+        picture.gaussians->overlap(list, picture.camera, picture.projection(), picture.options, picture.statistics));
+    CHECK(stream.statistics().cached_splats > cached);
+    cached = stream.statistics().cached_splats;
+    picture.gaussians->draw(list, picture.camera, picture.projection(), picture.options, picture.statistics);
+    CHECK(stream.statistics().cached_splats == cached);
+    CHECK(picture.statistics.gaussians > 0);
+    CHECK(picture.statistics.pending);
+  }
 }
 
 TEST_CASE("divides hostile Gaussians and volumes into slabs") {

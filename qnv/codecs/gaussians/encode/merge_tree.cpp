@@ -61,46 +61,75 @@ BlobLook look_of(const Blob& blob, float detail, bool leaf) {
   return look;
 }
 
-/// Gaussian in a picture along one axis of the coordinates.
-struct Flat {
-  float x, y;        // centre
-  float xx, xy, yy;  // covariance
-  float r, g, b, a;  // colour times opacity, relative to grey; opacity with the weight of its contrast
-};
+/// Numbers for pictures along the three axes of the coordinates. The last lane is not used.
+using Three = float __attribute__((vector_size(16)));
+using ThreeBits = std::int32_t __attribute__((vector_size(16)));
 
-/// Returns the integral of the product of two Gaussians with peaks of 1, divided by 2 pi.
-float overlap(const Flat& p, const Flat& q) {
-  const float xx = p.xx + q.xx, xy = p.xy + q.xy, yy = p.yy + q.yy, x = p.x - q.x, y = p.y - q.y;
-  const float determinant = xx * yy - xy * xy;
-  if (!(determinant > 0)) return 0;
-  const float dp = p.xx * p.yy - p.xy * p.xy, dq = q.xx * q.yy - q.xy * q.xy;
-  const float power = -0.5f * (yy * x * x - 2 * xy * x * y + xx * y * y) / determinant;
-  if (power < -20) return 0;
-  return std::sqrt(std::max(dp * dq, 0.0f) / determinant) * std::exp(power);
+/// Returns the sum over the three pictures.
+float sum_of(Three v) { return v[0] + v[1] + v[2]; }
+
+Three masked(Three v, ThreeBits mask) { return reinterpret_cast<Three>(reinterpret_cast<ThreeBits>(v) & mask); }
+
+Three root_of(Three v) { return Three{std::sqrt(v[0]), std::sqrt(v[1]), std::sqrt(v[2]), 0}; }
+
+/// Returns e^x in the lanes of a mask, and 0 in the others.
+Three exp_of(Three x, ThreeBits mask) {
+  Three result{};
+  for (int i = 0; i < 3; ++i)
+    if (mask[i] != 0) result[i] = std::exp(x[i]);
+  return result;
 }
 
-float product(const Flat& p, const Flat& q) { return (p.r * q.r + p.g * q.g + p.b * q.b + p.a * q.a) * overlap(p, q); }
+/// Gaussian in the pictures along the axes.
+struct Flat {
+  Three x, y;         // centre
+  Three xx, xy, yy;   // covariance
+  Three determinant;  // of the covariance
+  Three r, g, b, a;   // colour times opacity, relative to grey; opacity with the weight of its contrast
 
-/// Returns the integral of a Gaussian with a peak of 1, divided by 2 pi.
-float area_of(const Flat& p) { return std::sqrt(std::max(p.xx * p.yy - p.xy * p.xy, 0.0f)); }
+  void set_determinant() { determinant = xx * yy - xy * xy; }
+};
+
+/// Returns the integrals of the product of two Gaussians with peaks of 1, divided by 2 pi.
+Three overlap(const Flat& p, const Flat& q) {
+  const Three xx = p.xx + q.xx, xy = p.xy + q.xy, yy = p.yy + q.yy, x = p.x - q.x, y = p.y - q.y;
+  const Three determinant = xx * yy - xy * xy, both = p.determinant * q.determinant;
+  const Three power = -0.5f * (yy * x * x - 2 * xy * x * y + xx * y * y) / determinant;
+  const ThreeBits none = (determinant > 0) & (power < -20), visible = (determinant > 0) & ~none;
+  return root_of(masked(masked(both, both > 0) / determinant, visible)) * exp_of(power, visible);
+}
+
+Three product(const Flat& p, const Flat& q) { return (p.r * q.r + p.g * q.g + p.b * q.b + p.a * q.a) * overlap(p, q); }
+
+/// Returns product(p, p).
+Three square(const Flat& p) {
+  const Three sum = p.r * p.r + p.g * p.g + p.b * p.b + p.a * p.a, both = p.determinant * p.determinant;
+  const Three integral = root_of(masked(both / (4 * p.determinant), p.determinant > 0));
+  return sum * integral;
+}
+
+/// Returns the integrals of Gaussians with peaks of 1, divided by 2 pi.
+Three area_of(const Flat& p) { return root_of(masked(p.determinant, p.determinant > 0)); }
 
 /// Returns the part of both that is seen once although both cover it.
 Flat common(const Flat& p, const Flat& q, float opacity_p, float opacity_q) {
   Flat both;
-  const float sx = p.xx + q.xx, sxy = p.xy + q.xy, sy = p.yy + q.yy, determinant = sx * sy - sxy * sxy;
-  const float x = q.x - p.x, y = q.y - p.y;
+  const Three sx = p.xx + q.xx, sxy = p.xy + q.xy, sy = p.yy + q.yy, determinant = sx * sy - sxy * sxy;
+  const Three x = q.x - p.x, y = q.y - p.y;
   // Gain of the product: P (P + Q)^-1.
-  const float ixx = sy / determinant, ixy = -sxy / determinant, iyy = sx / determinant;
-  const float kxx = p.xx * ixx + p.xy * ixy, kxy = p.xx * ixy + p.xy * iyy, kyx = p.xy * ixx + p.yy * ixy,
+  const Three ixx = sy / determinant, ixy = -sxy / determinant, iyy = sx / determinant;
+  const Three kxx = p.xx * ixx + p.xy * ixy, kxy = p.xx * ixy + p.xy * iyy, kyx = p.xy * ixx + p.yy * ixy,
               kyy = p.xy * ixy + p.yy * iyy;
   both.x = p.x + kxx * x + kxy * y;
   both.y = p.y + kyx * x + kyy * y;
   both.xx = kxx * q.xx + kxy * q.xy;
   both.xy = kxx * q.xy + kxy * q.yy;
   both.yy = kyx * q.xy + kyy * q.yy;
-  const float peak = std::exp(std::max(-20.0f, -0.5f * (ixx * x * x + 2 * ixy * x * y + iyy * y * y)));
+  both.set_determinant();
+  const Three power = -0.5f * (ixx * x * x + 2 * ixy * x * y + iyy * y * y);
+  const Three peak = exp_of(power > -20 ? power : Three{-20, -20, -20, -20}, ThreeBits{-1, -1, -1, 0});
   // Premultiplied colours are opacity x colour: their mean, times both opacities.
-  const float half_p = 0.5f * opacity_q * peak, half_q = 0.5f * opacity_p * peak;
+  const Three half_p = 0.5f * opacity_q * peak, half_q = 0.5f * opacity_p * peak;
   both.r = p.r * half_p + q.r * half_q;
   both.g = p.g * half_p + q.g * half_q;
   both.b = p.b * half_p + q.b * half_q;
@@ -108,41 +137,47 @@ Flat common(const Flat& p, const Flat& q, float opacity_p, float opacity_q) {
   return both;
 }
 
-std::array<Flat, 3> flattened(const Blob& blob, const BlobLook& look, float detail) {
+Flat flattened(const Blob& blob, const BlobLook& look, float detail) {
   const float d = detail * detail;
   const Covariance& c = look.covariance;
   const float o = look.opacity * blob.visibility;
   const glm::vec3 tint = (blob.color - 0.5f) * o;
-  const float a = o * std::sqrt(kContrast);
+  const auto all = [](float v) { return Three{v, v, v, v}; };
   const glm::vec3& m = blob.mean;
-  return {Flat{m.x, m.y, c[0] + d, c[1], c[3] + d, tint.x, tint.y, tint.z, a},
-          Flat{m.y, m.z, c[3] + d, c[4], c[5] + d, tint.x, tint.y, tint.z, a},
-          Flat{m.x, m.z, c[0] + d, c[2], c[5] + d, tint.x, tint.y, tint.z, a}};
+  Flat flat;
+  flat.x = Three{m.x, m.y, m.x, m.x};
+  flat.y = Three{m.y, m.z, m.z, m.y};
+  flat.xx = Three{c[0] + d, c[3] + d, c[0] + d, c[0] + d};
+  flat.xy = Three{c[1], c[4], c[2], c[1]};
+  flat.yy = Three{c[3] + d, c[5] + d, c[5] + d, c[3] + d};
+  flat.set_determinant();
+  flat.r = all(tint.x);
+  flat.g = all(tint.y);
+  flat.b = all(tint.z);
+  flat.a = all(o * std::sqrt(kContrast));
+  return flat;
 }
 
 /// Blob with what costs need.
 struct Candidate {
   Blob blob;
   BlobLook look;
-  std::array<Flat, 3> flat;
-  std::array<float, 3> self{};  // squared integrals
+  Flat flat;
+  Three self;  // squared integrals
 };
 
 Candidate candidate_of(const Blob& blob, float detail, bool leaf) {
   Candidate c{blob, look_of(blob, detail, leaf), {}, {}};
   c.flat = flattened(blob, c.look, detail);
-  for (std::size_t i = 0; i < 3; ++i) c.self[i] = product(c.flat[i], c.flat[i]);
+  c.self = square(c.flat);
   return c;
 }
 
 /// Returns two candidates as one blob. An area that both cover counts once.
 Blob joined(const Candidate& a, const Candidate& b) {
   Blob all = merged(a.blob, b.blob);
-  float twice = 0, sum = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    twice += a.look.opacity * b.look.opacity * overlap(a.flat[i], b.flat[i]);
-    sum += a.look.opacity * area_of(a.flat[i]) + b.look.opacity * area_of(b.flat[i]);
-  }
+  const float twice = sum_of(a.look.opacity * b.look.opacity * overlap(a.flat, b.flat));
+  const float sum = sum_of(a.look.opacity * area_of(a.flat) + b.look.opacity * area_of(b.flat));
   if (sum > 0) all.cover *= 1 - std::min(twice / sum, 0.5f);
   return all;
 }
@@ -151,13 +186,11 @@ Blob joined(const Candidate& a, const Candidate& b) {
 /// count less.
 float cost_of(const Candidate& a, const Candidate& b, float detail) {
   const Candidate all = candidate_of(joined(a, b), detail, false);
-  float cost = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Flat &p = a.flat[i], &q = b.flat[i], &m = all.flat[i];
-    const Flat c = common(p, q, a.look.opacity, b.look.opacity);
-    cost += a.self[i] + b.self[i] + all.self[i] + product(c, c) +
-            2 * (product(p, q) - product(p, m) - product(q, m) - product(p, c) - product(q, c) + product(m, c));
-  }
+  const Flat &p = a.flat, &q = b.flat, &m = all.flat;
+  const Flat c = common(p, q, a.look.opacity, b.look.opacity);
+  const float cost =
+      sum_of(a.self + b.self + all.self + square(c) +
+             2 * (product(p, q) - product(p, m) - product(q, m) - product(p, c) - product(q, c) + product(m, c)));
   return cost >= 0 && cost < kMostCost ? cost : cost < 0 ? 0 : kMostCost;
 }
 
@@ -167,12 +200,22 @@ struct Best {
   std::uint32_t with = MergedNode::kNone;
 };
 
+/// Numbers for a rough estimate of costs. They are apart, because the search reads those of many neighbours.
+struct RoughBlob {
+  glm::vec3 mean, color, spread;
+  float weight;
+};
+
+RoughBlob rough_of(const Candidate& one) {
+  const Covariance& c = one.look.covariance;
+  return {one.blob.mean, one.blob.color, {c[0], c[3], c[5]}, one.blob.weight};
+}
+
 /// Returns an estimate that orders partners: distance and change of colour, relative to the sizes.
-float rough_cost(const Candidate& a, const Candidate& b, float detail) {
-  const Covariance &p = a.look.covariance, &q = b.look.covariance;
-  const glm::vec3 apart = a.blob.mean - b.blob.mean, tint = a.blob.color - b.blob.color;
-  const glm::vec3 spread(p[0] + q[0] + detail * detail, p[3] + q[3] + detail * detail, p[5] + q[5] + detail * detail);
-  const float weight = a.blob.weight * b.blob.weight / std::max(a.blob.weight + b.blob.weight, 1e-30f);
+float rough_cost(const RoughBlob& a, const RoughBlob& b, float detail) {
+  const glm::vec3 apart = a.mean - b.mean, tint = a.color - b.color;
+  const glm::vec3 spread = a.spread + b.spread + detail * detail;
+  const float weight = a.weight * b.weight / std::max(a.weight + b.weight, 1e-30f);
   const glm::vec3 far = apart * apart / spread;
   return weight * (0.1f + glm::dot(tint, tint)) * (1 + far.x + far.y + far.z);
 }
@@ -199,9 +242,11 @@ class TreeBuilder {
   void merge_pairs() {
     const std::size_t count = active_.size();
     all_.resize(count);
+    rough_.resize(count);
     for_active([&](std::size_t i) {
       const MergedNode& node = nodes_[active_[i]];
       all_[i] = candidate_of(node.blob, detail_, node.leaf());
+      rough_[i] = rough_of(all_[i]);
     });
     find_orders();
     find_partners();
@@ -281,12 +326,13 @@ class TreeBuilder {
     std::array<Best, kTried> tried;
     std::size_t found = 0;
     for (std::size_t shift = 0; shift < kOrders; ++shift) {
+      const auto* const order = orders_[shift].data();
       const std::size_t at = places_[i][shift], end = std::min(active_.size(), at + kReach + 1);
       for (std::size_t other = at > kReach ? at - kReach : 0; other < end; ++other) {
-        const std::uint32_t j = orders_[shift][other].second;
+        const std::uint32_t j = order[other].second;
         const auto same = [j](const Best& one) { return one.with == j; };
         if (j == i || std::any_of(tried.begin(), tried.begin() + static_cast<std::ptrdiff_t>(found), same)) continue;
-        const float rough = rough_cost(all_[i], all_[j], detail_);
+        const float rough = rough_cost(rough_.data()[i], rough_.data()[j], detail_);
         if (found == kTried && !(rough < tried[found - 1].cost)) continue;
         std::size_t k = found == kTried ? found - 1 : found++;
         for (; k > 0 && rough < tried[k - 1].cost; --k) tried[k] = tried[k - 1];
@@ -338,6 +384,7 @@ class TreeBuilder {
   std::vector<std::uint32_t> active_;
   // Of the active nodes, by their positions in active_.
   std::vector<Candidate> all_;
+  std::vector<RoughBlob> rough_;
   std::array<std::vector<std::pair<std::uint64_t, std::uint32_t>>, kOrders> orders_;
   std::vector<std::array<std::uint32_t, kOrders>> places_;  // in the orders
   std::vector<Best> best_;

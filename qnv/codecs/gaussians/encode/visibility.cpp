@@ -204,14 +204,14 @@ class Views {
     std::ranges::fill(seen, kUnseen);
     const bool outside = view < kOutside;
     const int pixels = outside ? kPixelsOutside : kPixelsInside;
+    const Frame frame = outside ? outside_frame(view) : face_frame((view - kOutside) % kFaces);
+    const glm::vec3 place = outside ? glm::vec3(0) : places_[(view - kOutside) / kFaces];
     std::vector<Spot> spots;
     for (std::uint32_t i = 0; i < source_.size(); ++i) {
       Spot spot{};
       spot.splat = i;
       spot.opacity = std::clamp(source_.opacities[i], 0.0f, 0.99f);
-      const bool shown =
-          outside ? project(outside_frame(view), spot)
-                  : project(face_frame((view - kOutside) % kFaces), places_[(view - kOutside) / kFaces], spot);
+      const bool shown = outside ? project(frame, spot) : project(frame, place, spot);
       if (shown) spots.push_back(spot);
     }
     Canvas(pixels).blend(spots, seen);

@@ -1,5 +1,9 @@
 #include "qnv/codecs/gaussians/fit/fit_kernel.h"
 
+#include <array>
+#include <cmath>
+#include <cstring>
+
 #include "qnv/base/kernel_pragmas.inc"  // after all other includes
 
 namespace gs::qnv::gaussians {
@@ -11,20 +15,20 @@ constexpr float kFitLeastPower = -7.994353f;  // binary logarithm of 1/255, the 
 constexpr float kFitMostAlpha = 0.99f;        // maximum opacity of one Gaussian
 
 namespace fit_baseline {
-#define FIT_TARGET
-#define FIT_AVX2 0
+#define LANES_TARGET
+#define LANES_AVX2 0
 #include "qnv/codecs/gaussians/fit/fit_loop.inc"
-#undef FIT_TARGET
-#undef FIT_AVX2
+#undef LANES_TARGET
+#undef LANES_AVX2
 }  // namespace fit_baseline
 
 #if defined(__x86_64__)
 namespace fit_avx2 {
-#define FIT_TARGET __attribute__((target("avx2")))
-#define FIT_AVX2 1
+#define LANES_TARGET __attribute__((target("avx2")))
+#define LANES_AVX2 1
 #include "qnv/codecs/gaussians/fit/fit_loop.inc"
-#undef FIT_TARGET
-#undef FIT_AVX2
+#undef LANES_TARGET
+#undef LANES_AVX2
 }  // namespace fit_avx2
 #endif
 

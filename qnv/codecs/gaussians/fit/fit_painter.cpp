@@ -107,31 +107,37 @@ void FitPainter::project(std::span<const FitGaussian> gaussians, const FitCamera
   fill_tiles();
 }
 
-template <class Each>
-void FitPainter::for_tiles(const FitSplat& splat, const Each& each) const {
-  const auto tile = [&](float v) {
-    return static_cast<int>(std::clamp(v, 0.0f, static_cast<float>(side_ - 1))) / kFitTile;
+FitPainter::TileBox FitPainter::box_of(const FitSplat& splat) const {
+  const auto tile = [last = static_cast<float>(side_ - 1)](float v) {
+    return static_cast<std::uint32_t>(std::clamp(v, 0.0f, last)) / kFitTile;
   };
-  for (int row = tile(splat.bottom); row <= tile(splat.top); ++row)
-    for (int column = tile(splat.left); column <= tile(splat.right); ++column)
-      each(static_cast<std::size_t>(row) * across() + static_cast<std::size_t>(column));
+  return {tile(splat.left), tile(splat.right), tile(splat.bottom), tile(splat.top)};
 }
 
+template <class Each>
+void FitPainter::for_tiles(const TileBox& box, const Each& each) const {
+  for (std::size_t row = box.bottom; row <= box.top; ++row)
+    for (std::size_t column = box.left; column <= box.right; ++column) each(row * across() + column);
+}
+
+// Uses pointers, because the standard library would check each index.
 void FitPainter::fill_tiles() {
   first_.assign(tiles() + 1, 0);
+  boxes_.resize(splats_.size());
   std::size_t listed = 0, count = 0;
-  for (; count < splats_.size() && listed < kFitMostListed; ++count)
-    for_tiles(splats_[count], [&](std::size_t tile) {
-      ++first_[tile + 1];
-      ++listed;
-    });
+  for (; count < splats_.size() && listed < kFitMostListed; ++count) {
+    const TileBox box = boxes_.data()[count] = box_of(splats_.data()[count]);
+    for_tiles(box, [counts = first_.data() + 1](std::size_t tile) { ++counts[tile]; });
+    listed += std::size_t{box.right - box.left + 1} * (box.top - box.bottom + 1);
+  }
   splats_.resize(count);
   seen_.resize(count);
   for (std::size_t tile = 0; tile < tiles(); ++tile) first_[tile + 1] += first_[tile];
   order_.resize(first_.back());
   std::vector<std::size_t> next = first_;
-  for (std::size_t i = 0; i < splats_.size(); ++i)
-    for_tiles(splats_[i], [&](std::size_t tile) { order_[next[tile]++] = static_cast<std::uint32_t>(i); });
+  for (std::uint32_t i = 0; i < splats_.size(); ++i)
+    for_tiles(boxes_.data()[i],
+              [order = order_.data(), places = next.data(), i](std::size_t tile) { order[places[tile]++] = i; });
 }
 
 std::size_t FitPainter::blend(std::size_t tile, FitTile& pixels) const {
@@ -203,8 +209,8 @@ void FitPainter::gather(std::vector<FitGradient>& gradient) const {
   // Adds in a fixed order, so that results do not depend on threads.
   std::vector<FitSums> totals(splats_.size());
   for (std::size_t i = 0; i < order_.size(); ++i) {
-    FitSums& to = totals[order_[i]];
-    const FitSums& from = sums_[i];
+    FitSums& to = totals.data()[order_.data()[i]];
+    const FitSums& from = sums_.data()[i];
     to.a += from.a;
     to.ax += from.ax;
     to.ay += from.ay;

@@ -77,9 +77,14 @@ class FitPainter {
   /// Projects a Gaussian. Returns false if it is not in view.
   bool project(const FitGaussian& one, const FitCamera& camera, FitSplat& splat, Seen& seen) const;
   void fill_tiles();
-  /// Calls each(tile) for the tiles that the box of a splat touches.
+  /// Tiles that a splat touches, inclusive.
+  struct TileBox {
+    std::uint32_t left, right, bottom, top;
+  };
+  [[nodiscard]] TileBox box_of(const FitSplat& splat) const;
+  /// Calls each(tile) for the tiles of a box.
   template <class Each>
-  void for_tiles(const FitSplat& splat, const Each& each) const;
+  void for_tiles(const TileBox& box, const Each& each) const;
   /// Blends a tile. Returns the number of blended Gaussians.
   std::size_t blend(std::size_t tile, FitTile& pixels) const;
   /// Writes derivatives of the error to a blended tile. Returns the squared error.
@@ -105,6 +110,7 @@ class FitPainter {
   std::vector<Found> found_;
   std::vector<FitSplat> splats_;  // visible Gaussians, nearest first
   std::vector<Seen> seen_;
+  std::vector<TileBox> boxes_;
   std::vector<std::uint32_t> order_;  // Gaussians of the tiles, nearest first
   std::vector<std::size_t> first_;    // first place in order_, by tile
   std::vector<FitSums> sums_;         // by place in order_

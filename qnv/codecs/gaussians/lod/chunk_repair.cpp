@@ -64,13 +64,14 @@ void ChunkRepair::run() {
     };
     result_.problems = read_whole(*source_, true, take, &stop_);
   } catch (const std::exception&) {
-    result_.problems.push_back({0, "damaged chunks are not restored: memory is insufficient"});
+    failed_ = true;  // adding a problem needs memory, too
   }
   ended_ = true;
 }
 
 ChunkRepair::Result ChunkRepair::finish() {
   if (thread_.joinable()) thread_.join();
+  if (failed_) result_.problems.push_back({0, "damaged chunks are not restored: memory is insufficient"});
   return std::move(result_);
 }
 

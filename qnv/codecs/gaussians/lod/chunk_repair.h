@@ -51,7 +51,8 @@ class ChunkRepair : NonCopyable {
 
   std::shared_ptr<const ChunkSource> source_;
   std::shared_ptr<ArrivedChunks> patches_;
-  Result result_;  // belongs to the thread until `ended_`
+  Result result_;        // belongs to the thread until `ended_`
+  bool failed_ = false;  // belongs to the thread until `ended_`
   std::atomic<bool> stop_ = false, ended_ = false;
   std::thread thread_;
 };

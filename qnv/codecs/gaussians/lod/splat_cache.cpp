@@ -18,6 +18,8 @@ namespace {
 constexpr std::size_t kClustersPerTask = 8, kUsualTasks = 16;
 // States of clusters may use 1 / kStatePart of the memory.
 constexpr std::size_t kStatePart = 2;
+// States keep 1 / kLeastStatePart of the memory, because they are in use while a view becomes finer.
+constexpr std::size_t kLeastStatePart = 4;
 // Typical size of a state, in bytes.
 constexpr std::size_t kTypicalState = 12'000;
 
@@ -299,28 +301,46 @@ void SplatCache::drop(std::uint32_t cluster) {
   entries_[cluster] = nullptr;
 }
 
-void SplatCache::shrink_states() {
-  if (state_bytes_ <= most_bytes_ / kStatePart) return;
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> old;
-  for (std::uint32_t i = 0; i < entries_.size(); ++i)
-    if (has_state(i)) old.emplace_back(entries_[i]->state_used, i);
-  std::ranges::sort(old);
-  // Frees more than necessary, so that the next cuts need not search again.
-  for (const auto& [used, i] : old) {
-    if (state_bytes_ <= most_bytes_ / kStatePart / 4 * 3) break;
-    drop_state(i);
+bool SplatCache::is_state_needed(std::uint32_t cluster) const {
+  for (std::uint32_t child = tree_[cluster].first_child; child != kNoCluster; child = tree_[child].next_sibling)
+    if (!has(child) && !tree_[child].broken) return true;
+  return false;
+}
+
+void SplatCache::drop_states(std::size_t bytes) {
+  const std::size_t most = state_bytes_ - std::min(bytes, state_bytes_);
+  for (const bool needed : {false, true}) {
+    if (state_bytes_ <= most) return;
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> old;
+    for (std::uint32_t i = 0; i < entries_.size(); ++i)
+      if (has_state(i) && is_state_needed(i) == needed) old.emplace_back(entries_[i]->state_used, i);
+    std::ranges::sort(old);
+    for (const auto& [used, i] : old) {
+      if (state_bytes_ <= most) return;
+      drop_state(i);
+    }
   }
+}
+
+void SplatCache::shrink_states() {
+  const std::size_t most = most_bytes_ / kStatePart;
+  // Frees more than necessary, so that the next cuts need not search again.
+  if (state_bytes_ > most) drop_states(state_bytes_ - most / 4 * 3);
 }
 
 void SplatCache::shrink(std::uint64_t now) {
   shrink_states();
+  if (bytes_ <= most_bytes_) return;
+  // A state has about twice the bytes of the Gaussians of its cluster, and the same decoding restores both.
+  const std::size_t most = most_bytes_ / 8 * 7, least_states = most_bytes_ / kLeastStatePart;
+  if (state_bytes_ > least_states) drop_states(std::min(bytes_ - most, state_bytes_ - least_states));
   if (bytes_ <= most_bytes_) return;
   std::vector<std::pair<std::uint64_t, std::uint32_t>> old;
   for (std::uint32_t i = 0; i < entries_.size(); ++i)
     if (has(i) && entries_[i]->used != now) old.emplace_back(entries_[i]->used, i);
   std::ranges::sort(old);
   for (const auto& [used, i] : old) {
-    if (bytes_ <= most_bytes_ / 8 * 7) break;
+    if (bytes_ <= most) break;
     drop(i);
   }
 }

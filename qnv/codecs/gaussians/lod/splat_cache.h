@@ -46,9 +46,10 @@ class SplatCache : NonCopyable {
   void pin(std::uint32_t cluster, std::uint64_t now);
   /// Marks the state of a cluster as used.
   void use_state(std::uint32_t cluster, std::uint64_t now);
-  /// Frees the least recently used states until they fit into their share of the memory.
+  /// Frees states until they fit into their share of the memory.
   void shrink_states();
-  /// Frees the least recently used data until it fits into the limit. Keeps Gaussians that were pinned at `now`.
+  /// Frees data until it fits into the limit: first states, then the least recently used clusters. Keeps Gaussians that
+  /// were pinned at `now`.
   void shrink(std::uint64_t now);
 
   /// Returns the number of clusters to decode at once, so that their states do not exceed the memory.
@@ -81,6 +82,11 @@ class SplatCache : NonCopyable {
   [[nodiscard]] std::unique_ptr<Entry> made(std::uint32_t cluster, const DecodedCluster& decoded);
   void update_parents(std::span<const std::uint32_t> clusters);
   void keep(std::uint32_t cluster, std::unique_ptr<Entry> made, std::uint64_t now);
+  /// Reports whether a child of a cluster is not decoded, so that its decoding requires the state of the cluster.
+  [[nodiscard]] bool is_state_needed(std::uint32_t cluster) const;
+  /// Frees states with together at least `bytes`: first those that no child requires now, then the least recently used
+  /// ones.
+  void drop_states(std::size_t bytes);
   void drop_state(std::uint32_t cluster);
   void drop(std::uint32_t cluster);
 

@@ -143,14 +143,32 @@ bool SplatChunks::take_restored(const ChunkRepair::Restored& chunk) {
   std::vector<std::byte> buffer;
   const auto read = read_chunk(*source_, chunk.offset, chunk.bytes, buffer);
   const auto* sound = std::get_if<SoundChunk>(&read);
-  if (!sound) return false;
-  if (is_harmonics(chunk.type)) {
-    std::string why;
-    return note(chunk.type, sound->payload, chunk.offset, why);
+  std::string why;
+  if (!sound) {
+    why = "a restored chunk cannot be read again";
+  } else if (is_harmonics(chunk.type)) {
+    if (note(chunk.type, sound->payload, chunk.offset, why)) return true;
+  } else if (take_restored_cluster(sound->payload, chunk, why)) {
+    return true;
   }
-  const auto packed = parse_cluster(sound->payload);
+  // Without a reason, the chunk is known.
+  if (!why.empty()) problem(chunk.offset, std::move(why));
+  return false;
+}
+
+// Replaces a damaged cluster by its restored chunk. Returns false and sets `why` if they contradict each other.
+bool SplatChunks::take_restored_cluster(std::span<const std::byte> payload, const ChunkRepair::Restored& chunk,
+                                        std::string& why) {
+  const auto packed = parse_cluster(payload);
   const std::uint32_t index = packed ? tree_.find(packed->head.id) : kNoCluster;
-  if (index == kNoCluster || !tree_.note_head(index, packed->head)) return false;
+  if (index == kNoCluster) {
+    why = "a restored cluster of Gaussians is invalid, or missing in the directory";
+    return false;
+  }
+  if (!tree_.note_head(index, packed->head)) {
+    why = "a restored cluster of Gaussians contradicts the directory";
+    return false;
+  }
   tree_.at(index).offset = chunk.offset;
   tree_.at(index).bytes = static_cast<std::uint32_t>(chunk.bytes);
   return true;

@@ -86,6 +86,8 @@ class SplatChunks {
   bool restore();
   /// Reports whether a repair is running. Clusters that cannot be decoded may be restored soon.
   [[nodiscard]] bool repairing() const { return repair_ != nullptr; }
+  /// Reports whether a repair has ended, so that restore() adds its chunks without waiting.
+  [[nodiscard]] bool repaired() const { return repair_ && repair_->ended(); }
   /// Leaves a damaged cluster to the running repair. Until the repair ends, it is not decoded.
   void postpone(std::uint32_t cluster);
 
@@ -115,6 +117,7 @@ class SplatChunks {
   [[nodiscard]] bool directory_fits() const;
   void scan();
   bool take_restored(const ChunkRepair::Restored& chunk);
+  bool take_restored_cluster(std::span<const std::byte> payload, const ChunkRepair::Restored& chunk, std::string& why);
   bool take(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset);
   bool store(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset);
   bool note(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset, std::string& why);

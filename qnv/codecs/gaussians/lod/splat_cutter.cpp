@@ -72,7 +72,7 @@ bool same_view(LodView a, LodView b) {
 
 }  // namespace
 
-const std::vector<SplatRun>& SplatCutter::cut(const LodView& view, std::optional<double> time) {
+const std::vector<SplatRun>& SplatCutter::cut(const LodView& view, std::optional<double> time, bool fades) {
   ++cuts_;
   decoded_ = 0;
   pending_ = fading_ = false;
@@ -88,7 +88,6 @@ const std::vector<SplatRun>& SplatCutter::cut(const LodView& view, std::optional
     viewport.view = view;
     viewport.last_cut = cuts_;
     if (time) viewport.time = *time;
-    pending_ = chunks_.repairing();
     return viewport.runs;
   }
   const std::vector<std::uint32_t> before = viewport.chosen;
@@ -107,9 +106,8 @@ const std::vector<SplatRun>& SplatCutter::cut(const LodView& view, std::optional
     }
     if (!any) break;
   }
-  pending_ = pending_ || chunks_.repairing();
   choose(view, viewport, bit);
-  fade(view, viewport, before, bit, time);
+  fade(view, viewport, before, bit, time, fades);
   make_runs(view, viewport);
   viewport.view = view;
   viewport.complete = !pending_;
@@ -296,7 +294,7 @@ void SplatCutter::choose(const LodView& view, Viewport& viewport, std::uint16_t 
       viewport.lacking.push_back({index, false});
     if (!cluster.present || !above || cluster.broken) continue;
     if (!cache_.has(index)) {
-      pending_ = true;
+      pending_ = pending_ || !cluster.waits;  // a repair reports its own end
       continue;
     }
     cache_.size_up(index);  // its parent may be decoded only since the selection
@@ -318,10 +316,11 @@ void SplatCutter::choose(const LodView& view, Viewport& viewport, std::uint16_t 
         viewport.lacking.push_back({i, true});
 }
 
-// Updates the weights of clusters that enter or leave the cut. `before` has the clusters of the previous cut.
+// Updates the weights of clusters that enter or leave the cut. `before` has the clusters of the previous cut. Without a
+// time, or if `fades` is false, changes are immediate.
 void SplatCutter::fade(const LodView& view, Viewport& viewport, std::span<const std::uint32_t> before,
-                       std::uint16_t bit, std::optional<double> time) {
-  if (!time || viewport.last_cut == 0) {
+                       std::uint16_t bit, std::optional<double> time, bool fades) {
+  if (!time || !fades || viewport.last_cut == 0) {
     viewport.fading.clear();
     viewport.time = time.value_or(0);
     return;

@@ -35,7 +35,7 @@ class SplatCutter {
   /// Sets the maximum number of Gaussians of one cut, for any budget.
   void set_most_splats(std::size_t most_splats) { most_splats_ = most_splats; }
   /// Returns the runs to draw. @see SplatStream::cut
-  [[nodiscard]] const std::vector<SplatRun>& cut(const LodView& view, std::optional<double> time);
+  [[nodiscard]] const std::vector<SplatRun>& cut(const LodView& view, std::optional<double> time, bool fades);
   void forget(std::uint32_t viewport);
 
   /// Reports whether the last cut lacks clusters that are received but not decoded yet.
@@ -76,7 +76,7 @@ class SplatCutter {
   [[nodiscard]] std::int64_t budget_of(const LodView& view) const;
   void choose(const LodView& view, Viewport& viewport, std::uint16_t bit);
   void fade(const LodView& view, Viewport& viewport, std::span<const std::uint32_t> before, std::uint16_t bit,
-            std::optional<double> time);
+            std::optional<double> time, bool fades);
   [[nodiscard]] std::vector<std::uint32_t> drawn(const Viewport& viewport) const;
   void make_runs(const LodView& view, Viewport& viewport);
   void keep_cuts();

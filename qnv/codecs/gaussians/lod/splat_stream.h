@@ -81,14 +81,18 @@ class SplatStream final : public ViewedStream {
   ///
   /// With a `time` (viewport's clock, in seconds), changes since the last cut of the viewport take a quarter of a
   /// second: the opacity of new Gaussians rises while that of the replaced ones falls. Without a time, changes
-  /// are immediate, and the call waits for the repair of damaged chunks. With a time, it does not wait.
-  [[nodiscard]] const std::vector<SplatRun>& cut(const LodView& view, std::optional<double> time = {}) {
-    return cutter_.cut(view, time);
+  /// are immediate, and the call waits for the repair of damaged chunks. With a time, it does not wait. Changes are
+  /// also immediate if `fades` is false.
+  [[nodiscard]] const std::vector<SplatRun>& cut(const LodView& view, std::optional<double> time = {},
+                                                 bool fades = true) {
+    return cutter_.cut(view, time, fades);
   }
   /// Reports whether the last cut lacks clusters that are received but not decoded yet. If so, the next cut is better.
   [[nodiscard]] bool pending() const { return cutter_.pending(); }
   /// Reports whether Gaussians of the last cut fade in or out.
   [[nodiscard]] bool fading() const { return cutter_.fading(); }
+  /// Reports whether another thread restores damaged chunks. When it ends, revision() increases.
+  [[nodiscard]] bool repairing() const { return chunks_.repairing(); }
 
   /// Does nothing, because cut() records its view.
   void note(const LodView&) override {}
@@ -106,8 +110,8 @@ class SplatStream final : public ViewedStream {
 
   [[nodiscard]] const StreamHeader& header() const { return chunks_.header(); }
   [[nodiscard]] const std::vector<StreamProblem>& problems() const { return chunks_.problems(); }
-  /// Returns a counter that increases with every received chunk.
-  [[nodiscard]] std::uint64_t revision() const { return chunks_.revision(); }
+  /// Returns a counter that increases with every received chunk, and when damaged chunks are restored.
+  [[nodiscard]] std::uint64_t revision() const { return chunks_.revision() + (chunks_.repaired() ? 1 : 0); }
   [[nodiscard]] SplatStatistics statistics() const {
     return {chunks_.tree().present(), cache_.splats(), cache_.bytes(), cutter_.decoded()};
   }

@@ -96,6 +96,26 @@ TEST_CASE("cuts of Gaussians are the same with little memory") {
   CHECK(count_of(tight->cut(closest_view())) <= 500);
 }
 
+TEST_CASE("keeps the Gaussians of a fine cut through a coarse one, and frees the states for finer cuts first") {
+  const EncodedStream encoded = encoded_cloud(12'000);
+  const Stream stream = opened(SplatStream::open(memory_source(encoded.bytes)));
+  LodView fine = closest_view();
+  fine.budget = 6000;
+  const std::size_t count = count_of(stream->cut(fine));
+  CHECK(count > 5000);
+  SplatLimits limits;
+  limits.cache_bytes = stream->statistics().cached_bytes * 4 / 5;
+  stream->set_limits(limits);
+  const std::size_t splats = stream->statistics().cached_splats;
+  CHECK(count_of(stream->cut(view_from(1000))) < count / 4);
+  CHECK(stream->statistics().cached_bytes <= limits.cache_bytes);
+  CHECK(stream->statistics().cached_splats == splats);
+  CHECK(count_of(stream->cut(fine)) == count);
+  CHECK(stream->statistics().decoded == 0);
+  // Finer cuts decode the states again.
+  CHECK(count_of(stream->cut(closest_view())) == 12'000);
+}
+
 TEST_CASE("views request the chunks of Gaussians that they need") {
   const EncodedStream encoded = encoded_cloud(12'000, 1);
   const auto chunks = chunks_of(encoded);
@@ -209,7 +229,11 @@ TEST_CASE("changes of a cut of Gaussians fade") {
   const Stream other = opened(SplatStream::open(encoded_cloud(6000).bytes));
   CHECK(sorted_numbers(gathered(stream->cut(view_from(8), time))) ==
         sorted_numbers(gathered(other->cut(view_from(8)))));
-  // Without a clock, the change is immediate.
+  // Without a clock or without fades, the change is immediate.
+  CHECK(gathered(stream->cut(view_from(3000), time, false)).size() == coarse);
+  CHECK_FALSE(stream->fading());
+  (void)stream->cut(view_from(8), time);
+  CHECK(stream->fading());
   CHECK(count_of(stream->cut(view_from(3000))) < count_of(other->cut(view_from(8))) / 2);
   CHECK_FALSE(stream->fading());
 }
