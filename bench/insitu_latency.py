@@ -30,10 +30,20 @@ parser.add_argument("--share", type=float, default=-1.0, help="-1: the default o
 parser.add_argument("--seconds", type=float, default=20)
 parser.add_argument("--rate", type=int, default=0, help="bits per second; 0: no proxy")
 parser.add_argument("--rtt", type=int, default=40, help="milliseconds, with --rate")
-parser.add_argument("--port", type=int, default=8130)
+parser.add_argument("--port", type=int, default=0, help="of the simulation; 0: a free one")
 parser.add_argument("--display", type=int, default=97)
 parser.add_argument("--picture")
 options = parser.parse_args()
+
+
+def free_port():
+    """Returns a port of this machine that no socket uses, also no closed connection of an earlier run."""
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        return one.getsockname()[1]
+
+
+options.port = options.port or free_port()
 
 
 class Control:
@@ -93,9 +103,11 @@ with tempfile.TemporaryDirectory() as folder:
         processes.append(subprocess.Popen(["Xvfb", display, "-screen", "0", "1024x768x24"], stderr=subprocess.DEVNULL))
         processes.append(simulation(folder))
         time.sleep(1)
+        if processes[-1].poll() is not None:
+            sys.exit("the simulation ended; expected that port %d is free" % options.port)
         port = options.port
         if options.rate:
-            port += 1
+            port = free_port()
             processes.append(subprocess.Popen(
                 [sys.executable, os.path.join(HERE, "transfer", "shaping_proxy.py"), str(port), "127.0.0.1:%d" % options.port,
                  "--rate", str(options.rate), "--rtt", str(options.rtt)]))

@@ -25,7 +25,7 @@ using qnv::EncodeError;
 /// Message that marks an error as already printed, for agreed().
 constexpr char kPrinted[] = "\x01";
 
-// Returns a text that identifies the version, the task, and the sizes and times of its input files.
+// Returns a text that identifies the version, the task, and the states of its input files.
 std::string key_of(const EncodeTeam& team, const EncodeInput& opened) {
   std::string key = "ghostspace " GHOSTSPACE_VERSION "\n" + team.task();
   for (const std::string& file : opened.steps) {
@@ -34,7 +34,8 @@ std::string key_of(const EncodeTeam& team, const EncodeInput& opened) {
     const auto time = std::filesystem::last_write_time(file, error).time_since_epoch().count();
     key += "\n" + std::to_string(size) + " " + std::to_string(time);
   }
-  // A file may name others, such as the pieces of a grid.
+  // A file may name others, such as the voxels of a header and the pieces of a grid.
+  for (const auto& files : opened.input.others) key += "\n" + files->text();
   if (const auto* const grid = std::get_if<LargeGrid>(&opened.input.content)) key += "\n" + grid->source->state();
   return key;
 }

@@ -3,6 +3,7 @@
 #include "qnv/container/container.h"
 
 #include <algorithm>
+#include <numeric>
 #include <span>
 #include <utility>
 #include <variant>
@@ -12,6 +13,8 @@ namespace {
 
 // Maximum gap in bytes between two ranges of one request. Reading a smaller gap costs less than another request.
 constexpr std::uint64_t kJoin = 16384;
+// Maximum gap in bytes between a chunk and a less important one that is requested with it, and maximum bytes of these.
+constexpr std::uint64_t kNearChunk = 4096, kMostNear = std::uint64_t{64} << 10;
 constexpr std::uint64_t kBatch = std::uint64_t{256} << 10;  // max bytes per request
 constexpr std::size_t kMaxOpen = 3;  // max concurrent requests; several keep the connection busy
 constexpr unsigned kMaxFailures = 5;
@@ -29,8 +32,10 @@ RangedStream::RangedStream(net::LoadRequests& loader, std::shared_ptr<StreamFeed
   else
     directory_request_ = request({{place_.directory, place_.total}}, kDirectoryPriority);
   // Views cannot choose chunks before the directory is here. Meanwhile, read the chunks in the order of the file.
-  if (!over_ && !has_fetch() && place_.total - place_.directory > kLongDirectory)
-    front_request_ = request({{place_.front, place_.directory}}, kDirectoryPriority);
+  // More of them than bytes of the directory would delay the chunks that views choose.
+  const std::uint64_t length = place_.total - place_.directory;
+  if (!over_ && !has_fetch() && length > kLongDirectory)
+    front_request_ = request({{place_.front, std::min(place_.directory, place_.front + length)}}, kDirectoryPriority);
 }
 
 net::RequestId RangedStream::request(std::vector<net::ByteRange> ranges, int priority) {
@@ -43,24 +48,52 @@ net::RequestId RangedStream::request(std::vector<net::ByteRange> ranges, int pri
   return loader_.request(std::move(wanted));
 }
 
+void RangedStream::sort_wanted() {
+  by_offset_.resize(wanted_.size());
+  place_of_.resize(wanted_.size());
+  std::iota(by_offset_.begin(), by_offset_.end(), std::size_t{0});
+  std::ranges::sort(by_offset_, {}, [&](std::size_t number) { return wanted_[number].offset; });
+  for (std::size_t place = 0; place < by_offset_.size(); ++place) place_of_[by_offset_[place]] = place;
+}
+
+bool RangedStream::add_wanted(std::size_t number, Batch& batch) {
+  const qnv::ChunkRange& chunk = wanted_[number];
+  if (chunk.offset + chunk.bytes <= place_.front || chunk.offset + chunk.bytes > place_.directory) return false;
+  // Of a long stream, chunks may be received, dropped and wanted again.
+  const bool again = chunk.again && taken_.contains(chunk.offset) && asked_again_.insert(chunk.offset).second;
+  if (again) taken_.erase(chunk.offset);
+  if (!asked_.insert(chunk.offset).second && !again) return false;
+  batch.chunks.push_back(chunk);
+  batch.bytes += chunk.bytes;
+  return true;
+}
+
 bool RangedStream::ask_for_more() {
   if (over_ || directory_request_) return false;
-  if (feed_->take_wanted(wanted_)) asked_again_.clear();
+  if (feed_->take_wanted(wanted_)) {
+    asked_again_.clear();
+    sort_wanted();
+  }
   bool any = false;
   // A stream with a lower weight requests fewer bytes, so that it gets a smaller part of the connection.
   const std::uint64_t most = std::max(static_cast<std::uint64_t>(kBatch * feed_->weight()), kJoin);
   while (open_.size() < kMaxOpen) {
     Batch batch;
-    std::uint64_t bytes = 0;
-    for (const qnv::ChunkRange& chunk : wanted_) {
-      if (bytes >= most) break;
-      if (chunk.offset + chunk.bytes <= place_.front || chunk.offset + chunk.bytes > place_.directory) continue;
-      // Of a long stream, chunks may be received, dropped and wanted again.
-      const bool again = chunk.again && taken_.contains(chunk.offset) && asked_again_.insert(chunk.offset).second;
-      if (again) taken_.erase(chunk.offset);
-      if (!asked_.insert(chunk.offset).second && !again) continue;
-      batch.chunks.push_back(chunk);
-      bytes += chunk.bytes;
+    for (std::size_t number = 0; number < wanted_.size() && batch.bytes < most; ++number) {
+      const std::uint64_t limit = std::min(most, batch.bytes + kMostNear);
+      if (!add_wanted(number, batch)) continue;
+      // A separate request for a chunk nearby would cost a round trip.
+      for (const bool up : {true, false}) {
+        std::size_t place = place_of_[number];
+        while (batch.bytes < limit && (up ? place + 1 < by_offset_.size() : place > 0)) {
+          const qnv::ChunkRange& last = wanted_[by_offset_[place]];
+          place = up ? place + 1 : place - 1;
+          const qnv::ChunkRange& next = wanted_[by_offset_[place]];
+          const qnv::ChunkRange &lower = up ? last : next, &upper = up ? next : last;
+          if (upper.offset > lower.offset + lower.bytes + kNearChunk) break;
+          if (!add_wanted(by_offset_[place], batch)) break;
+        }
+      }
     }
     if (batch.chunks.empty()) break;
     net::RangeSet ranges;

@@ -50,10 +50,12 @@ WorldBudget budget_of(const LoadingOptions& options, const LoadLimit& limit) {
   return budget;
 }
 
-std::optional<Opened> open_volume_input(const InputOptions& options, const std::string& path) {
+std::optional<Opened> open_volume_input(const InputOptions& options, const std::string& path, OpenedInput& input) {
   const WorldBudget budget = budget_of(options, LoadLimit(deadline_of(options)));
-  auto opened = open_volume_confined(
-      path, options.raw, {reader_beside(path, load_options(options).allowed), {}, options.component}, budget);
+  VolumeOrigin origin{reader_beside(path, load_options(options).allowed), {}, options.component};
+  origin.states = std::make_shared<FileStates>();
+  input.others.push_back(origin.states);
+  auto opened = open_volume_confined(path, options.raw, origin, budget);
   budget->stop_when(nullptr);  // the time limit is for opening; slices are read later
   if (const auto* problem = std::get_if<std::string>(&opened)) {
     (void)fail(*problem);
@@ -258,7 +260,7 @@ std::optional<OpenedInput> open_input(const InputOptions& options, const std::st
     opened = std::move(*mesh);
     input.file = file;
   } else if (is_raw(options) || type.content == ContentClass::volume) {
-    opened = open_volume_input(options, local);
+    opened = open_volume_input(options, local, input);
   } else if (type.is_geometry() && !is_outline_stream(all)) {
     GeometryFile geometry{local, all};
     geometry.origin.read_beside = reader_beside(local, load_options(options).allowed);
@@ -367,10 +369,12 @@ std::optional<OpenedInput> open_steps(const InputOptions& options, std::span<con
     }
     times.push_back(static_cast<double>(steps.size()));
     steps.push_back(std::move(*volume));
-    if (!all)
+    if (!all) {
       all = std::move(input);
-    else
+    } else {
       all->bytes += input->bytes;
+      all->others.insert(all->others.end(), input->others.begin(), input->others.end());
+    }
   }
   if (!all) return std::nullopt;
   qnv::VolumeSource source = steps.front();

@@ -5,6 +5,7 @@
 #include "app/encode/mesh_stream.h"
 #include "app/encode/mesh_surface.h"
 #include "app/encode/splat_file.h"
+#include "app/formats/volume/file_states.h"
 #include "app/loading/updates/loaded_world.h"
 #include "net/files/file.h"
 #include "qnv/sampling/volume/volume.h"
@@ -45,6 +46,7 @@ struct OpenedInput {
   std::vector<std::string> losses = {};         // properties of the file that its importer does not keep, as messages
   Upright upright{};                            // orientation that the format implies, if the file defines none
   std::shared_ptr<const net::MappedFile> file;  // mapped file, if `content` is read in parts
+  std::vector<std::shared_ptr<const FileStates>> others = {};  // other files of volumes, a list per step
 };
 
 /// Returns the maximum number of triangles in memory while a displaced payload is encoded. A larger mesh is simplified

@@ -46,6 +46,13 @@ class RowNumbers final : public GridNumbers {
     if (stored > kMostRowNumbers || rows.columns > stored || rows.columns == 0)
       return rows.path + " has " + (stored > kMostRowNumbers ? "too many" : "too few") +
              " numbers in a row; expected " + std::to_string(rows.columns) + " to " + std::to_string(kMostRowNumbers);
+    {
+      const std::lock_guard lock(arrays->mutex);
+      const auto index = static_cast<std::size_t>(found - all.begin());
+      const double elements = static_cast<double>(rows.rows) * static_cast<double>(stored / found->parts);
+      if (std::string problem = unwritten_problem(*arrays->file, index, elements); !problem.empty())
+        return rows.path + ": " + problem;
+    }
     return std::unique_ptr<GridNumbers>(new RowNumbers(std::move(arrays), rows, *found, stored));
   }
 

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <system_error>
 #include <utility>
 
@@ -162,14 +163,21 @@ std::optional<std::string> GridPartReader::hide(const LargeGrid::Run& run, GridR
     for (std::size_t i = 0; i < flags.size(); ++i)
       if (is_hidden_cell(flag_of(flags[i], arrays_.old_flags))) cells.types[i] = 0;
   }
-  for (std::size_t i = 0; arrays_.point_flags && i < cells.types.size(); ++i)
-    for (const std::int32_t corner : cells.cell(i)) {
-      double flag = 0;
-      if (cells.types[i] == 0 || corner == kBadIndex) continue;
-      if (!arrays_.point_flags->read(static_cast<std::uint64_t>(corner), std::span(&flag, 1)))
-        return std::string("the flags of hidden points are damaged");
-      if (is_hidden_point(flag_of(flag, false))) cells.types[i] = 0;
-    }
+  if (!arrays_.point_flags) return std::nullopt;
+  // Reads the flags in the order of the file, because cells may name points in any order.
+  std::vector<std::int32_t> points, hidden;
+  std::ranges::copy_if(cells.corners, std::back_inserter(points), [](std::int32_t one) { return one != kBadIndex; });
+  std::ranges::sort(points);
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  for (const std::int32_t point : points) {
+    double flag = 0;
+    if (!arrays_.point_flags->read(static_cast<std::uint64_t>(point), std::span(&flag, 1)))
+      return std::string("the flags of hidden points are damaged");
+    if (is_hidden_point(flag_of(flag, false))) hidden.push_back(point);
+  }
+  const auto is_hidden = [&](std::int32_t corner) { return std::ranges::binary_search(hidden, corner); };
+  for (std::size_t i = 0; i < cells.types.size() && !hidden.empty(); ++i)
+    if (cells.types[i] != kGridPolyhedron && std::ranges::any_of(cells.cell(i), is_hidden)) cells.types[i] = 0;
   return std::nullopt;
 }
 

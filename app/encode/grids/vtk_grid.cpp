@@ -34,6 +34,12 @@ std::string title_of_values(const VtkArray& array, const VoxelComponent& choice)
          (array.units.empty() ? "" : " (" + array.units + ")");
 }
 
+// Returns the message of a file error without the path, which message() or its caller adds.
+std::string without_path(std::string text, const std::string& path) {
+  if (const std::size_t at = text.find(" " + path); at != std::string::npos) text.erase(at, path.size() + 1);
+  return text;
+}
+
 /// Grid of VTK XML files.
 class VtkGrid final : public GridSource {
  public:
@@ -62,7 +68,8 @@ class VtkGrid final : public GridSource {
   [[nodiscard]] std::variant<GridPartArrays, std::string> open(std::size_t part) const override {
     const GridFile& on_disk = on_disk_[pieces_[part].file];
     auto opened = net::open_file(on_disk.path);
-    if (const auto* const problem = std::get_if<net::FileError>(&opened)) return problem->message;
+    if (auto* const problem = std::get_if<net::FileError>(&opened))
+      return without_path(std::move(problem->message), on_disk.path);
     const auto file = std::make_shared<const net::RandomAccessFile>(std::move(std::get<net::RandomAccessFile>(opened)));
     if (file->size() != on_disk.size)
       return std::string("another program changed the file, or it is compressed; expected a plain file");

@@ -2,6 +2,7 @@
 
 #include "app/base/local_file.h"
 #include "app/formats/common/dataset_list.h"
+#include "app/formats/volume/file_states.h"
 #include "app/formats/volume/volume_common.h"
 #include "base/gzip.h"
 #include "net/files/file.h"
@@ -204,6 +205,7 @@ std::variant<qnv::VolumeSource, std::string> open_volume(const std::string& path
   if (const auto* problem = std::get_if<std::string>(&mapped)) return *problem;
   VolumeOrigin own = origin;
   use_folder(path, own);
+  note_files(path, std::get<SharedBytes>(mapped), own);
   return open_volume_file(path, std::get<SharedBytes>(mapped), raw, own, budget);
 }
 

@@ -11,6 +11,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -18,6 +19,8 @@
 #include <variant>
 
 namespace gs::app {
+
+class FileStates;
 
 /// Origin of a volume's file: its name and the files beside it; and the component to read.
 struct VolumeOrigin {
@@ -27,6 +30,7 @@ struct VolumeOrigin {
   ReadFiles read_files = {};    // reads files of a container; null reads below the file's folder
   ListFolder list_folder = {};  // lists folders of a container; null with `read_files` means that none can be listed
   NeedBytes need = {};          // receives parts of the file from a server; null if the file is complete
+  std::shared_ptr<FileStates> states = {};  // notes the other files that are read; may be null
 };
 
 /// Returns the file that stands for a local folder of a scan (DICOM): the first one that is a volume. Returns an empty

@@ -2,10 +2,12 @@
 #include "app/encode/encode_team.h"
 #include "tests/app/commands/vector_commands.h"
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace gs::app {
@@ -104,6 +106,67 @@ TEST_CASE("encode together: leaves the old output after an error, and continues 
   REQUIRE(encode(in, out, team, true) == kDone);
   CHECK(folder.read("out.qnv") == folder.read("alone.qnv"));
   CHECK_FALSE(std::filesystem::exists(out + ".parts"));
+}
+
+TEST_CASE("encode together: --resume notices changes of the files that a header names") {
+  const ScratchFolder folder;
+  std::string voxels(8 * 8 * 8, 'a');
+  for (std::size_t i = 0; i < voxels.size(); ++i) voxels[i] = static_cast<char>(i * i % 127);
+  folder.write("voxels.raw", voxels);
+  std::string numbers;
+  for (const char voxel : voxels) numbers += std::to_string(static_cast<int>(voxel)) + " ";
+  const std::string piece = R"(<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian">
+<ImageData WholeExtent="0 7 0 7 0 7" Origin="0 0 0" Spacing="1 1 1"><Piece Extent="0 7 0 7 0 7"><PointData Scalars="a">
+<DataArray type="UInt8" Name="a" format="ascii">)" + numbers +
+                            "</DataArray></PointData></Piece></ImageData></VTKFile>";
+  folder.write("piece.vti", piece);
+  struct Case {
+    std::string header, text, other, changed;
+  };
+  const Case cases[] = {
+      {"v.nhdr",
+       "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 8 8 8\nencoding: raw\ndata file: voxels.raw\n\n",
+       "voxels.raw", std::string(voxels.rbegin(), voxels.rend())},
+      {"v.mhd", "NDims = 3\nDimSize = 8 8 8\nElementType = MET_UCHAR\nElementDataFile = voxels.raw\n", "voxels.raw",
+       std::string(voxels.rbegin(), voxels.rend())},
+      {"v.pvti",
+       R"(<VTKFile type="PImageData" version="1.0" byte_order="LittleEndian">
+<PImageData WholeExtent="0 7 0 7 0 7" GhostLevel="0" Origin="0 0 0" Spacing="1 1 1">
+<PPointData Scalars="a"><PDataArray type="UInt8" Name="a"/></PPointData>
+<Piece Extent="0 7 0 7 0 7" Source="piece.vti"/></PImageData></VTKFile>)",
+       "piece.vti", std::string(piece).replace(piece.find("ascii\">") + 7, 1, "9")},
+  };
+  for (const Case& one : cases) {
+    CAPTURE(one.header);
+    const std::string in = folder.write(one.header, one.text), out = folder.path("out.qnv"),
+                      old = folder.read(one.other);
+    OneProcess team;
+    team.fails = true;
+    REQUIRE(encode(in, out, team) == kNotWritten);
+    folder.write(one.other, one.changed);
+    team.fails = false;
+    CHECK(encode(in, out, team, true) == kFailed);
+    folder.write(one.other, old);
+    CHECK(encode(in, out, team, true) == kDone);
+  }
+}
+
+TEST_CASE("encode together: --resume notices changes of large files beside a header, and of chunks of a container") {
+  const ScratchFolder folder;
+  const std::string raw = folder.write("voxels.raw", std::string(1 << 20, 'a'));
+  folder.write("v.mhd", "NDims = 3\nDimSize = 128 128 64\nElementType = MET_UCHAR\nElementDataFile = voxels.raw\n");
+  const std::string chunk = folder.write("v.zarr/0.0.0", std::string(8 * 8 * 8, 'b'));
+  folder.write("v.zarr/.zarray", R"({"zarr_format": 2, "shape": [8, 8, 8], "chunks": [8, 8, 8], "dtype": "|u1",
+    "compressor": null, "fill_value": 0, "filters": null, "order": "C"})");
+  for (const auto& [in, other] : {std::pair(folder.path("v.mhd"), raw), std::pair(folder.path("v.zarr"), chunk)}) {
+    CAPTURE(in);
+    OneProcess team;
+    team.fails = true;
+    REQUIRE(encode(in, folder.path("out.qnv"), team) == kNotWritten);
+    std::filesystem::last_write_time(other, std::filesystem::last_write_time(other) + std::chrono::seconds(2));
+    team.fails = false;
+    CHECK(encode(in, folder.path("out.qnv"), team, true) == kFailed);
+  }
 }
 
 TEST_CASE("encode together: rejects slices that exceed the memory of a process") {

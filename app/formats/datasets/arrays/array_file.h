@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -63,6 +64,9 @@ class ArrayFile {
   virtual void prepare(std::size_t, std::span<const ArrayBox>) {}
   /// Returns the rows of an array of characters as texts; none if it is another array, or long.
   [[nodiscard]] virtual std::vector<std::string> texts(std::size_t array);
+  /// Returns the maximum count of elements that were written, by the chunks that exist. The others have the fill value.
+  /// Returns nullopt if it is unknown.
+  [[nodiscard]] virtual std::optional<std::uint64_t> written(std::size_t) { return std::nullopt; }
   /// Returns a message about parts that could not be read so far and are shown as missing, or an empty text.
   [[nodiscard]] virtual std::string trouble() const { return {}; }
 };
@@ -104,7 +108,7 @@ enum class ChunkCodec : std::uint8_t { blosc, lz4, bzip2, xz, lz4_block };
 
 /// Table of readers that the module exports, under the name kDatasetModuleEntry.
 struct DatasetModule {
-  static constexpr std::uint32_t kVersion = 4;  // changes with this header
+  static constexpr std::uint32_t kVersion = 5;  // changes with this header
   std::uint32_t version = kVersion;
   std::span<const ArrayReader> readers;
   std::span<const PictureDecoder> pictures;

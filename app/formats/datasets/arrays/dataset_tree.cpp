@@ -27,6 +27,15 @@ std::string folder_of_path(std::string_view path) {
   return slash == 0 || slash == std::string_view::npos ? "/" : std::string(path.substr(0, slash));
 }
 
+std::string unwritten_problem(ArrayFile& file, std::size_t array, double count) {
+  constexpr double kMostUnwritten = 1 << 24;
+  if (count <= kMostUnwritten) return {};
+  const auto written = file.written(array);
+  if (!written || count - static_cast<double>(*written) <= kMostUnwritten) return {};
+  return "the file states " + std::to_string(static_cast<std::uint64_t>(count)) + " elements, but at most " +
+         std::to_string(*written) + " were written; expected all";
+}
+
 std::vector<double> doubles_of(NumberType type, std::span<const std::byte> bytes) {
   std::vector<double> numbers;
   if (type == NumberType::none) return numbers;
@@ -122,6 +131,8 @@ std::variant<std::vector<double>, std::string> DatasetTree::rows(const std::stri
   const auto left = static_cast<double>(budget_->left(Resource::volumes));
   const double needed = bytes + bytes / static_cast<double>(size_of(array.type)) * sizeof(double);
   if (needed > left) return path + ": its numbers need " + budget_->refusal(Resource::volumes);
+  const double elements = bytes / static_cast<double>(size_of(array.type)) / array.parts;
+  if (std::string problem = unwritten_problem(*file_, *place, elements); !problem.empty()) return path + ": " + problem;
   std::vector<std::byte> raw(static_cast<std::size_t>(bytes));
   if (std::string problem = file_->read(*place, from, size, raw); !problem.empty()) return path + ": " + problem;
   return doubles_of(array.type, raw);

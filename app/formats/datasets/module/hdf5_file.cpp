@@ -7,7 +7,9 @@
 #include <array>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <memory>
+#include <optional>
 #include <utility>
 
 namespace gs::app {
@@ -172,6 +174,14 @@ class Hdf5File final : public ArrayFile {
     if (type) (void)hdf5_need_boxes(*source_, dataset, type.get(), array, boxes);
   }
 
+  std::optional<std::uint64_t> written(std::size_t number) override {
+    const Hdf5Scope scope;
+    if (number >= arrays_.size() || !arrays_[number].problem.empty()) return std::nullopt;
+    const auto [place, is_new] = written_.try_emplace(number);
+    if (is_new) place->second = count_written(number);
+    return place->second;
+  }
+
   std::vector<std::string> texts(std::size_t number) override {
     const Hdf5Scope scope;
     constexpr std::uint64_t kMostBytes = 1 << 20;
@@ -235,6 +245,24 @@ class Hdf5File final : public ArrayFile {
     return array;
   }
 
+  std::optional<std::uint64_t> count_written(std::size_t number) {
+    const ArrayInfo& array = arrays_[number];
+    const hid_t dataset = dataset_of(number);
+    const Hdf5Handle properties(dataset >= 0 ? H5Dget_create_plist(dataset) : H5I_INVALID_HID, H5Pclose);
+    const Hdf5Handle type(dataset >= 0 ? H5Dget_type(dataset) : H5I_INVALID_HID, H5Tclose);
+    const Hdf5Handle space(dataset >= 0 ? H5Dget_space(dataset) : H5I_INVALID_HID, H5Sclose);
+    if (!properties || !type || !space || H5Tget_size(type.get()) == 0) return std::nullopt;
+    const H5D_layout_t layout = H5Pget_layout(properties.get());
+    if (layout == H5D_CONTIGUOUS) return H5Dget_storage_size(dataset) / H5Tget_size(type.get());
+    hsize_t count = 0;
+    if (layout != H5D_CHUNKED || H5Dget_num_chunks(dataset, space.get(), &count) < 0) return std::nullopt;
+    for (const std::uint64_t edge : array.chunk) {
+      if (edge > 0 && count > std::numeric_limits<std::uint64_t>::max() / edge) return std::nullopt;
+      count *= edge;
+    }
+    return count;
+  }
+
   /// Returns an open dataset. Its cache holds a layer of chunks if they fit.
   hid_t dataset_of(std::size_t number) {
     for (const auto& [open, handle] : open_)
@@ -269,6 +297,7 @@ class Hdf5File final : public ArrayFile {
   std::vector<ArrayInfo> arrays_;
   std::vector<std::string> groups_;
   std::vector<std::pair<std::size_t, Hdf5Handle>> open_;
+  std::map<std::size_t, std::optional<std::uint64_t>> written_;  // results of written()
 };
 
 }  // namespace

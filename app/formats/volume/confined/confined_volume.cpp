@@ -3,6 +3,7 @@
 #include "app/base/local_file.h"
 #include "app/confined/decoder_pool.h"
 #include "app/formats/volume/confined/remote_volume.h"
+#include "app/formats/volume/file_states.h"
 #include "app/formats/volume/volume_common.h"
 
 #include <utility>
@@ -22,6 +23,7 @@ std::variant<qnv::VolumeSource, std::string> open_volume_confined(const std::str
   if (file.file && (origin.component.growing || origin.need)) file.file->tolerate_writes();
   VolumeOrigin own = origin;
   use_folder(path, own);
+  note_files(path, file, own);
   VolumeRequest request{path, own.name, raw, own.component, left_of(*budget), false, own.need != nullptr};
   const auto volume = std::make_shared<RemoteVolume>(
       program, path, file, std::move(request), own.read_beside ? own.read_beside : reader_beside(path, {}),

@@ -72,7 +72,7 @@ void SplatForest::add_cluster(std::span<const std::byte> payload) {
       const bool full = decoded && (shown_ + size > most_ || (nodes_ + size) / 2 > most_);
       count_.full = count_.full || full;
       if (!decoded || full) {
-        ++count_.refused;
+        if (!full) ++count_.refused;
       } else {
         ++count_.taken;
         if (parent) {

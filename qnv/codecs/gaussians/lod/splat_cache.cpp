@@ -125,7 +125,7 @@ std::unique_ptr<SplatCache::Entry> SplatCache::made(std::uint32_t cluster, const
     std::vector<SplatNode> nodes;
     nodes.reserve(inner);
     std::ranges::copy_if(decoded.nodes, std::back_inserter(nodes), [](const SplatNode& node) { return !node.leaf; });
-    entry->state = std::make_unique<const SplatState>(std::move(nodes), StoredModels(decoded.models));
+    entry->state = std::make_unique<const SplatState>(SplatState{std::move(nodes), StoredModels(decoded.models)});
     entry->state_bytes = entry->state->bytes();
   }
   return entry;

@@ -32,6 +32,8 @@ constexpr double kFadeSeconds = 0.25;
 // At most 1 / kFadingPart of the cut may fade at the same time. Other changes are immediate.
 constexpr std::size_t kFadingPart = 2;
 constexpr std::size_t kLeastFading = 20'000;
+// Estimated size of the inner Gaussians of a missing cluster, relative to those that it replaces. Most are larger.
+constexpr float kAheadSize = 0.3f;
 // Reach of a Gaussian, in standard deviations.
 constexpr float kSeenReach = 3.5f;
 
@@ -57,6 +59,13 @@ struct SplatCandidate {
   bool operator<(const SplatCandidate& other) const {
     return key != other.key ? key < other.key : cluster > other.cluster;
   }
+};
+
+/// Cluster with a missing parent, and the estimated size and reach of the Gaussians that it replaces.
+struct SplatGuess {
+  SplatCandidate candidate;
+  float size, reach;
+  bool operator<(const SplatGuess& other) const { return candidate < other.candidate; }
 };
 
 // Reports whether Gaussians of a cluster may be visible. The box of a cluster is exact after decoding.
@@ -196,6 +205,38 @@ float SplatCutter::key_of(const SplatCluster& cluster, const LodView& view) cons
   return std::isfinite(key) ? key : 0;
 }
 
+// Adds descendants of missing clusters to the missing ones if the view will need them by estimation. So requests
+// need few round trips for deep levels, and their chunks are often next to each other in the stream.
+void SplatCutter::look_ahead(const LodView& view, Viewport& viewport) const {
+  std::priority_queue<SplatGuess> guesses;
+  const auto add_children = [&](const SplatCluster& cluster, float size, float reach) {
+    for (std::uint32_t child = cluster.first_child; child != kNoCluster; child = tree_[child].next_sibling) {
+      const SplatCluster& c = tree_[child];
+      if (c.present || c.broken || !c.boxed || outside(c.box, view)) continue;
+      const float key = size * view.pixels / std::max(distance_to(c.box, view.eye), std::max(reach, 1e-30f));
+      if (key > kSmallPixels * view.error_pixels) guesses.push({{key, child}, kAheadSize * size, kAheadSize * reach});
+    }
+  };
+  std::int64_t left = budget_of(view);
+  for (const std::uint32_t index : order_) {
+    const SplatCluster& cluster = tree_[index];
+    left -= gained(index);
+    if (cluster.present || cluster.broken || cluster.parent == kNoCluster) continue;
+    const SplatCluster& parent = tree_[cluster.parent];
+    add_children(cluster, kAheadSize * (cluster.sized ? cluster.size : parent.inner_size),
+                 kAheadSize * (cluster.sized ? cluster.reach : parent.inner_reach));
+  }
+  while (!guesses.empty() && viewport.lacking.size() < kMaxWanted) {
+    const SplatGuess guess = guesses.top();
+    guesses.pop();
+    const SplatCluster& cluster = tree_[guess.candidate.cluster];
+    left -= cluster.splats;
+    if (left < 0) break;
+    viewport.lacking.push_back({guess.candidate.cluster, false});
+    add_children(cluster, guess.size, guess.reach);
+  }
+}
+
 // Selects the clusters that the view needs, including those that are not yet decoded or received. Sorts the clusters
 // by size in the picture; a parent precedes its children.
 void SplatCutter::select(const LodView& view, const Viewport& last, std::uint16_t bit) {
@@ -310,6 +351,7 @@ void SplatCutter::choose(const LodView& view, Viewport& viewport, std::uint16_t 
     tree_.at(last).marks.chosen_by &= static_cast<std::uint16_t>(~bit);
     viewport.chosen.pop_back();
   }
+  look_ahead(view, viewport);
   for (const std::uint32_t index : viewport.chosen)
     for (std::uint32_t i = tree_[index].harmonics; i != kNoCluster; i = tree_.harmonics(i).next)
       if (!tree_.harmonics(i).present && tree_[index].marks.visible && viewport.lacking.size() < kMaxWanted)

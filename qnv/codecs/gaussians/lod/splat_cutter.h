@@ -75,6 +75,7 @@ class SplatCutter {
   [[nodiscard]] std::int64_t gained(std::uint32_t cluster) const;
   [[nodiscard]] std::int64_t budget_of(const LodView& view) const;
   void choose(const LodView& view, Viewport& viewport, std::uint16_t bit);
+  void look_ahead(const LodView& view, Viewport& viewport) const;
   void fade(const LodView& view, Viewport& viewport, std::span<const std::uint32_t> before, std::uint16_t bit,
             std::optional<double> time, bool fades);
   [[nodiscard]] std::vector<std::uint32_t> drawn(const Viewport& viewport) const;

@@ -169,6 +169,57 @@ TEST_CASE("grids of VTKHDF and Exodus II that are read in parts have the surface
   check_surface(folder.path("blocks.e"), choice_of("load", 1), 2);
 }
 
+TEST_CASE("refuses grids of VTKHDF and Exodus II with cells that were never written") {
+  const ScratchFolder folder;
+  if (!test::run_python(folder, R"(
+most = 2**31 - 2
+with h5py.File('cells.vtkhdf', 'w') as f:
+    g = f.create_group('VTKHDF'); g.attrs['Version'] = [2, 0]; g.attrs['Type'] = np.bytes_('UnstructuredGrid')
+    g['NumberOfPoints'] = [8]; g['NumberOfCells'] = [most]; g['NumberOfConnectivityIds'] = [8]
+    g['Points'] = np.zeros((8, 3), 'f4'); g['Connectivity'] = np.arange(8)
+    g.create_dataset('Offsets', (most + 1,), 'i8', chunks=(1024,))[-1] = 8
+    g.create_dataset('Types', (most,), 'u1', chunks=(1024,))[-1] = 12
+with h5py.File('cells.e', 'w') as f:
+    f.attrs['api_version'] = np.float32(4.9)
+    for a in 'xyz': f['coord' + a] = np.zeros(8)
+    c = f.create_dataset('connect1', (most, 8), 'i4', chunks=(1024, 8)); c.attrs['elem_type'] = np.bytes_('HEX8')
+    c[0] = range(1, 9)
+)"))
+    return;
+  const auto problem_of = [&](const char* name) -> std::string {
+    const auto grid = opened_arrays(folder.path(name), {});
+    REQUIRE(grid);
+    qnv::EncodeRanks alone{qnv::EncodeOptions{}};
+    const auto made = grid_surface(*grid, alone, 1 << 20, nullptr);
+    const auto* const problem = std::get_if<qnv::EncodeError>(&made);
+    return problem ? problem->message : std::string();
+  };
+  CHECK(problem_of("cells.vtkhdf") ==
+        "/VTKHDF/Types: the file states 2147483646 elements, but at most 1024 were written; expected all");
+  CHECK(problem_of("cells.e") ==
+        "/connect1: the file states 17179869168 elements, but at most 8192 were written; expected all");
+}
+
+TEST_CASE("a grid in parts hides the cells of its import, with points in any order and with short variables") {
+  const ScratchFolder folder;
+  if (!test::run_python(folder, std::string(kGridScript) + R"(
+write('hidden.vtkhdf', 1)
+with h5py.File('hidden.vtkhdf', 'r+') as f:
+    g = f['VTKHDF']; count = len(g['Points'])
+    g['PointData/vtkGhostType'] = (np.arange(count) * 7 % 31 == 3).astype('u1') * 2
+    # Reverses the points of the first part.
+    first = g['NumberOfPoints'][0]; ids = 8 * g['NumberOfCells'][0]
+    g['Connectivity'][:ids] = first - 1 - g['Connectivity'][:ids]
+    for k in ('Points', 'PointData/heat', 'PointData/vtkGhostType'): g[k][:first] = g[k][:first][::-1]
+with h5py.File('blocks.e', 'r+') as f:
+    short = f['vals_nod_var1'][:, :9]; del f['vals_nod_var1']; f['vals_nod_var1'] = short
+)"))
+    return;
+  check_surface(folder.path("hidden.vtkhdf"), choice_of("heat"), 2);
+  CHECK_FALSE(opened_arrays(folder.path("blocks.e"), choice_of("heat")));
+  CHECK(opened_arrays(folder.path("blocks.e"), choice_of("load")));
+}
+
 TEST_CASE("grids of VTKHDF and Exodus II with damaged arrays give errors or no faces") {
   const ScratchFolder folder;
   if (!test::run_python(folder, std::string(kGridScript) + R"(

@@ -491,6 +491,8 @@ TEST_CASE("notices that a file of a grid changed although its size did not, and 
   REQUIRE(again);
   CHECK(again->source->state() != pieces->source->state());
   CHECK(opened(folder.path("grid.pvtu"))->source->state() == again->source->state());
+  fs::remove(piece);
+  CHECK(problem_of(*again) == piece + ": cannot open: No such file or directory");
 }
 
 }  // namespace gs::app::grid_surface_test

@@ -257,6 +257,7 @@ TEST_CASE("streams of Gaussians end where the options ask") {
   StreamDecoder bounded(900);
   (void)bounded.push(stream_of(source).bytes);
   CHECK(bounded.full());
+  CHECK(bounded.refused_chunks() == 0);
   CHECK(bounded.vectors() <= 900);
   CHECK(bounded.vectors() > 400);
 }

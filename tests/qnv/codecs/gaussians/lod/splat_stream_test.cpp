@@ -147,6 +147,41 @@ TEST_CASE("views request the chunks of Gaussians that they need") {
   CHECK(in_view(gathered(stream->cut(view))) == in_view(decoded(encoded.bytes)));
 }
 
+TEST_CASE("views request descendants of missing clusters of Gaussians, and no more than they need") {
+  const EncodedStream encoded = encoded_cloud(20'000);
+  const auto chunks = chunks_of(encoded);
+  const auto directory = directory_bytes(encoded);
+  /// Requests that a view makes until it has all chunks, if each request gets all of its chunks.
+  struct Requests {
+    int count = 0;
+    std::size_t bytes = 0;
+  };
+  const auto requests_of = [&](const LodView& view) {
+    const Stream stream = opened(SplatStream::begin(std::span(encoded.bytes).first(600)));
+    REQUIRE(stream->set_directory(directory));
+    Requests made;
+    for (; made.count < 100; ++made.count) {
+      (void)stream->cut(view);
+      const auto wanted = stream->wanted();
+      if (wanted.empty()) break;
+      for (const ChunkRange& range : wanted) {
+        const auto chunk = std::ranges::find(chunks, range.offset, &std::pair<std::uint64_t, Bytes>::first);
+        REQUIRE(chunk != chunks.end());
+        REQUIRE(stream->add(chunk->first, chunk->second));
+        made.bytes += range.bytes;
+      }
+    }
+    return made;
+  };
+  std::uint8_t levels = 0;
+  const Stream whole = opened(SplatStream::open(encoded.bytes));
+  for (const DirectoryEntry& entry : directory_of(directory, whole->header())) levels = std::max(levels, entry.level);
+  REQUIRE(levels >= 4);
+  CHECK(requests_of(closest_view()).count < levels);
+  const Requests far = requests_of(view_from(300));
+  CHECK(far.bytes < encoded.bytes.size() / 4);
+}
+
 TEST_CASE("Gaussians of chunks in any order give the same cut") {
   const EncodedStream encoded = encoded_cloud(2500, 2);
   auto chunks = chunks_of(encoded);
