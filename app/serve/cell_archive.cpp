@@ -4,6 +4,7 @@
 #include "app/streams/cell_wishes.h"
 #include "qnv/codecs/payloads.h"
 #include "qnv/codecs/values/chunk_places.h"
+#include "qnv/container/cluster_directory.h"
 
 #include <algorithm>
 #include <array>
@@ -93,6 +94,7 @@ std::vector<Place> QnvSource::from_directory(const qnv::StreamHeader& header) co
   // Give the reader the header first, because it accepts nothing else before.
   qnv::StreamReader reader;
   qnv::values::PlacesReader listed;
+  qnv::DirectoryReader directory(header);
   const qnv::values::PlaceEntries entry_of(header.grid, !header.steps.times.empty());
   const auto on_chunk = [&](qnv::ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
     if (type == qnv::ChunkType::places && header.payload == qnv::Payload::values) {
@@ -102,8 +104,9 @@ std::vector<Place> QnvSource::from_directory(const qnv::StreamHeader& header) co
         if (places.size() < kMaxNumbered)
           places.push_back({place.offset, place.bytes, cell_box(entry_of(place).box, header.description.box)});
     }
-    if (type != qnv::ChunkType::directory) return;
-    for (const qnv::DirectoryEntry& entry : qnv::decode_directory(payload, header.description.box))
+    std::vector<qnv::DirectoryEntry> entries;
+    (void)directory.add(type, payload, entries);
+    for (const qnv::DirectoryEntry& entry : entries)
       if (places.size() < kMaxNumbered && entry.bytes > qnv::kChunkHeaderBytes)
         places.push_back({entry.offset, entry.bytes, cell_box(entry.box, header.description.box)});
   };
@@ -120,8 +123,7 @@ std::vector<Place> QnvSource::directory_chunks(const qnv::StreamHeader& header) 
   for (std::uint64_t at = header.directory; at < file_.stamp.size && places.size() < net::kMaxChunks;) {
     const auto head = qnv::chunk_head(bytes(at, qnv::kChunkHeaderBytes));
     if (!head) break;
-    if (head->type == qnv::ChunkType::places || head->type == qnv::ChunkType::directory)
-      places.push_back({at, static_cast<std::uint32_t>(head->bytes), {}});
+    if (qnv::is_listing(head->type)) places.push_back({at, static_cast<std::uint32_t>(head->bytes), {}});
     at += head->bytes;
   }
   return places;

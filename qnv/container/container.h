@@ -7,6 +7,7 @@
 #include "qnv/container/step_table.h"
 #include "qnv/container/value_grid.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -56,11 +57,12 @@ enum class ChunkType : std::uint8_t {
   gaussians = 20,
   harmonics = 21,
   coarse_harmonics = 22,
+  cluster_directory = 23,
   directory = 254
 };
 /// Reports whether chunks of a type list other chunks of the stream.
 [[nodiscard]] constexpr bool is_listing(ChunkType type) {
-  return type == ChunkType::directory || type == ChunkType::places;
+  return type == ChunkType::directory || type == ChunkType::places || type == ChunkType::cluster_directory;
 }
 /// Reports whether chunks of a type have harmonics of Gaussians.
 [[nodiscard]] constexpr bool is_harmonics(ChunkType type) {
@@ -69,7 +71,7 @@ enum class ChunkType : std::uint8_t {
 /// Reports whether this version has a chunk type. Readers skip other chunks.
 [[nodiscard]] constexpr bool is_known(std::uint8_t type) {
   constexpr std::uint8_t kReserved = 5;
-  return (type <= static_cast<std::uint8_t>(ChunkType::coarse_harmonics) && type != kReserved) ||
+  return (type <= static_cast<std::uint8_t>(ChunkType::cluster_directory) && type != kReserved) ||
          type == static_cast<std::uint8_t>(ChunkType::directory);
 }
 
@@ -122,6 +124,12 @@ struct StreamProblem {
 [[nodiscard]] std::vector<std::byte> encode_directory(std::span<const DirectoryEntry> entries, const Box& box);
 /// Decodes the entries in the payload of one directory chunk. Safe for untrusted bytes.
 [[nodiscard]] std::vector<DirectoryEntry> decode_directory(std::span<const std::byte> payload, const Box& box);
+
+/// Corners of a box in 1/65535 of the stream's box, from its lower corner: lower x, y, z, upper x, y, z.
+using BoxCodes = std::array<std::uint16_t, 6>;
+/// Rounds a box outwards. `whole` is the box of the stream.
+[[nodiscard]] BoxCodes box_codes(const Box& box, const Box& whole);
+[[nodiscard]] Box box_of(const BoxCodes& codes, const Box& whole);
 
 /// Range of bytes from `first` up to `last`, which is excluded.
 struct ByteRange {

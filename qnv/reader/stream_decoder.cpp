@@ -2,6 +2,7 @@
 
 #include "qnv/codecs/payloads.h"
 #include "qnv/codecs/values/chunk_places.h"
+#include "qnv/container/cluster_directory.h"
 
 namespace gs::qnv {
 
@@ -59,10 +60,10 @@ void StreamDecoder::accept(ChunkType type, std::span<const std::byte> payload, s
   if (!row_) return;
   if (!missing.empty() && type != ChunkType::records) {
     ++refused_chunks_;
-  } else if (type == ChunkType::directory) {
-    if (directory_.size() > kMaxDirectoryEntries) return;
-    const auto entries = decode_directory(payload, header()->description.box);
-    directory_.insert(directory_.end(), entries.begin(), entries.end());
+  } else if (type == ChunkType::directory ||
+             (type == ChunkType::cluster_directory && header()->payload == Payload::gaussians)) {
+    if (!entries_) entries_ = std::make_unique<DirectoryReader>(*header());
+    (void)entries_->add(type, payload, directory_);
   } else if (type == ChunkType::places) {
     add_places(payload);
   } else if (type == ChunkType::parity) {

@@ -14,6 +14,7 @@
 
 namespace gs::qnv {
 
+class DirectoryReader;
 struct PayloadRow;
 namespace values {
 class PlacesReader;
@@ -80,6 +81,7 @@ class StreamDecoder {
   ShownComponent shown_;
   LostChunks lost_;  // empty unless the header announces parity
   std::vector<DirectoryEntry> directory_;
+  std::unique_ptr<DirectoryReader> entries_;      // null until the first chunk of a directory
   std::unique_ptr<values::PlacesReader> places_;  // of a values stream
 };
 

@@ -48,9 +48,8 @@ class PartChunks final : public ChunkList {
     sink_.set_writes(i >= share_.first && i < share_.end);
     return i >= first_read_ && i < share_.end ? all_.chunk(i) : all_.outline(i);
   }
-  [[nodiscard]] std::optional<std::vector<std::vector<std::byte>>> places(
-      std::span<const DirectoryEntry> entries) const override {
-    return all_.places(entries);
+  [[nodiscard]] std::optional<Listing> listing(std::span<const DirectoryEntry> entries, const Box& box) const override {
+    return all_.listing(entries, box);
   }
   [[nodiscard]] std::size_t entry_bytes() const override { return all_.entry_bytes(); }
 
@@ -129,9 +128,9 @@ std::variant<StreamHeader, EncodeError> write_stream(StreamHeader header, const 
   if (!append_parity(parity.finish())) return stopped;
   header.chunks = static_cast<std::uint32_t>(directory.size());
   header.directory = at;
-  if (const auto places = chunks.places(directory)) {
-    for (const std::vector<std::byte>& payload : *places)
-      if (!append_chunk(ChunkType::places, payload)) return stopped;
+  if (const auto listing = chunks.listing(directory, header.description.box)) {
+    for (const std::vector<std::byte>& payload : listing->payloads)
+      if (!append_chunk(listing->type, payload)) return stopped;
     directory.clear();
   }
   constexpr std::size_t kInOne = kMaxChunkBytes / kDirectoryEntryBytes;  // entries of a directory chunk

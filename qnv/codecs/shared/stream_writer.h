@@ -26,6 +26,12 @@ void add_metadata(const std::vector<std::pair<std::string, std::string>>& metada
 /// Returns the protection that EncodeOptions::parity requests; none by default.
 [[nodiscard]] Protection equal_protection(const EncodeOptions& options);
 
+/// Chunks that list the other chunks of a stream.
+struct Listing {
+  ChunkType type = ChunkType::directory;
+  std::vector<std::vector<std::byte>> payloads;
+};
+
 /// Chunks of a stream that are made when they are written, so that they need no memory together.
 class ChunkList {
  public:
@@ -35,10 +41,10 @@ class ChunkList {
   [[nodiscard]] virtual std::optional<OutgoingChunk> chunk(std::size_t i) const = 0;
   /// Returns a chunk without reading its payload. The payload has the right length, but undefined bytes.
   [[nodiscard]] virtual std::optional<OutgoingChunk> outline(std::size_t i) const { return chunk(i); }
-  /// Returns the payloads of a directory of type ChunkType::places for the first chunks; nullopt means a general
-  /// directory. `entries` have the offsets and lengths.
-  [[nodiscard]] virtual std::optional<std::vector<std::vector<std::byte>>> places(
-      std::span<const DirectoryEntry> /*entries*/) const {
+  /// Returns a compact directory of the first chunks, or nullopt for a general one. `entries` have the offsets and
+  /// lengths; `box` is that of the stream.
+  [[nodiscard]] virtual std::optional<Listing> listing(std::span<const DirectoryEntry> /*entries*/,
+                                                       const Box& /*box*/) const {
     return std::nullopt;
   }
   /// Returns the most bytes of the directory for each chunk.

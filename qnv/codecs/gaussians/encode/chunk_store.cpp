@@ -1,5 +1,7 @@
 #include "qnv/codecs/gaussians/encode/chunk_store.h"
 
+#include "qnv/container/cluster_directory.h"
+
 #include <glm/common.hpp>
 
 #include <algorithm>
@@ -219,6 +221,15 @@ std::optional<OutgoingChunk> OrderedChunks::chunk(std::size_t i) const {
 
 std::optional<OutgoingChunk> OrderedChunks::outline(std::size_t i) const {
   return packed(i, std::vector<std::byte>(records_[order_[i]].bytes));
+}
+
+std::optional<Listing> OrderedChunks::listing(std::span<const DirectoryEntry> entries, const Box& box) const {
+  auto payloads = pack_clusters(entries, box);
+  if (!payloads) return std::nullopt;
+  std::size_t bytes = 0;
+  for (const std::vector<std::byte>& payload : *payloads) bytes += kChunkHeaderBytes + payload.size();
+  if (bytes > entries.size() * entry_bytes()) return std::nullopt;
+  return Listing{ChunkType::cluster_directory, std::move(*payloads)};
 }
 
 OutgoingChunk OrderedChunks::packed(std::size_t i, std::span<const std::byte> bytes) const {

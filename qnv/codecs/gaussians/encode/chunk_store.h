@@ -106,6 +106,7 @@ class OrderedChunks final : public ChunkList {
   [[nodiscard]] std::size_t size() const override { return order_.size(); }
   [[nodiscard]] std::optional<OutgoingChunk> chunk(std::size_t i) const override;
   [[nodiscard]] std::optional<OutgoingChunk> outline(std::size_t i) const override;
+  [[nodiscard]] std::optional<Listing> listing(std::span<const DirectoryEntry> entries, const Box& box) const override;
 
  private:
   [[nodiscard]] OutgoingChunk packed(std::size_t i, std::span<const std::byte> bytes) const;

@@ -245,7 +245,8 @@ bool SplatChunks::take(ChunkType type, std::span<const std::byte> payload, std::
     (void)store(whole, bytes, kNowhere + restored_++);
   };
   if (type == ChunkType::parity) return !header_.parity || lost_.add(payload, restored);
-  if (type != ChunkType::gaussians && !is_harmonics(type)) return type == ChunkType::directory;
+  if (type != ChunkType::gaussians && !is_harmonics(type))
+    return type == ChunkType::directory || type == ChunkType::cluster_directory;
   const bool good = store(type, payload, offset);
   if (header_.parity) lost_.keep(type, payload, restored);
   return good;

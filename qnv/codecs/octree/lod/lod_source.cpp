@@ -1,6 +1,7 @@
 #include "qnv/codecs/octree/lod/lod_source.h"
 
 #include "base/bytes.h"
+#include "qnv/container/cluster_directory.h"
 
 #include <algorithm>
 #include <array>
@@ -10,8 +11,6 @@
 
 namespace gs::qnv {
 namespace {
-
-constexpr std::size_t kMaxEntries = std::size_t{1} << 22;
 
 class MemorySource : public ChunkSource {
  public:
@@ -105,33 +104,31 @@ std::variant<StreamHeader, StreamProblem> read_stream_header(const ChunkSource& 
 std::vector<DirectoryEntry> read_directory(const ChunkSource& source, const StreamHeader& header) {
   if (header.directory == 0 || header.directory >= source.size()) return {};
   std::vector<DirectoryEntry> entries;
+  DirectoryReader reader(header);
   std::vector<std::byte> buffer;
   std::array<std::byte, kChunkHeaderBytes> head{};
   const auto wanted = [&] { return header.chunks == 0 || entries.size() < header.chunks; };
-  for (std::uint64_t at = header.directory; at < source.size() && entries.size() <= kMaxEntries && wanted();) {
+  for (std::uint64_t at = header.directory; at < source.size() && wanted();) {
     if (source.read(at, head) != head.size()) return {};
     const auto chunk = read_chunk(source, at, length_of(head), buffer);
     const auto* sound = std::get_if<SoundChunk>(&chunk);
-    if (!sound || sound->type != ChunkType::directory) return {};
-    const auto more = decode_directory(sound->payload, header.description.box);
-    entries.insert(entries.end(), more.begin(), more.end());
+    if (!sound || !reader.add(sound->type, sound->payload, entries)) return {};
     at += buffer.size();
   }
-  if (entries.size() > kMaxEntries || (header.chunks != 0 && entries.size() != header.chunks)) return {};
+  if (entries.size() > kMaxDirectoryEntries || (header.chunks != 0 && entries.size() != header.chunks)) return {};
   return entries;
 }
 
 std::vector<DirectoryEntry> directory_of(std::span<const std::byte> chunks, const StreamHeader& header) {
   std::vector<DirectoryEntry> entries;
-  while (!chunks.empty() && entries.size() <= kMaxEntries) {
+  DirectoryReader reader(header);
+  while (!chunks.empty()) {
     const auto chunk = sound_chunk(chunks.first(std::min(chunks.size(), length_of(chunks))));
     const auto* sound = std::get_if<SoundChunk>(&chunk);
-    if (!sound || sound->type != ChunkType::directory) return {};
-    const auto more = decode_directory(sound->payload, header.description.box);
-    entries.insert(entries.end(), more.begin(), more.end());
+    if (!sound || !reader.add(sound->type, sound->payload, entries)) return {};
     chunks = chunks.subspan(kChunkHeaderBytes + sound->payload.size());
   }
-  if (entries.size() > kMaxEntries || (header.chunks != 0 && entries.size() != header.chunks)) return {};
+  if (entries.size() > kMaxDirectoryEntries || (header.chunks != 0 && entries.size() != header.chunks)) return {};
   return entries;
 }
 

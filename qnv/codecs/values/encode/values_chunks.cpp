@@ -111,7 +111,7 @@ OutgoingChunk ValuesChunks::without_payload(const Place& place) const {
   return chunk;
 }
 
-std::optional<std::vector<std::vector<std::byte>>> ValuesChunks::places(std::span<const DirectoryEntry> entries) const {
+std::optional<Listing> ValuesChunks::listing(std::span<const DirectoryEntry> entries, const Box& /*box*/) const {
   if (components_ > 1) return std::nullopt;
   const Extent cubes = cube_extent(extent_);
   const std::uint64_t all_cubes = std::uint64_t{cubes[0]} * cubes[1] * cubes[2];
@@ -124,7 +124,7 @@ std::optional<std::vector<std::vector<std::byte>>> ValuesChunks::places(std::spa
     places.back().offset = entries[i].offset;
     places.back().bytes = entries[i].bytes;
   }
-  return pack_places(places);
+  return Listing{ChunkType::places, pack_places(places)};
 }
 
 std::size_t ValuesChunks::entry_bytes() const { return components_ > 1 ? kDirectoryEntryBytes : kMostPlaceBytes; }

@@ -36,8 +36,7 @@ class ValuesChunks final : public ChunkList {
   [[nodiscard]] std::optional<OutgoingChunk> chunk(std::size_t i) const override;
   [[nodiscard]] std::optional<OutgoingChunk> outline(std::size_t i) const override;
   /// Returns nullopt for several components, because places name blocks of one. They count those of all steps.
-  [[nodiscard]] std::optional<std::vector<std::vector<std::byte>>> places(
-      std::span<const DirectoryEntry> entries) const override;
+  [[nodiscard]] std::optional<Listing> listing(std::span<const DirectoryEntry> entries, const Box& box) const override;
   [[nodiscard]] std::size_t entry_bytes() const override;
 
  private:

@@ -1,0 +1,256 @@
+#include "qnv/container/cluster_directory.h"
+
+#include "base/bytes.h"
+#include "qnv/base/short_number.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cstdint>
+#include <random>
+#include <span>
+#include <vector>
+
+namespace gs::qnv {
+namespace cluster_directory_test {
+
+using Bytes = std::vector<std::byte>;
+
+const Box kWhole{{-5, 0, 2}, {7, 1, 30}};
+
+StreamHeader header_of_gaussians() {
+  StreamHeader header;
+  header.payload = Payload::gaussians;
+  header.description.box = kWhole;
+  return header;
+}
+
+/// Returns a box inside another one.
+Box part_of(const Box& box, std::mt19937& random) {
+  Box part;
+  for (int corner = 0; corner < 2; ++corner) {
+    const auto place = [&] { return static_cast<float>(random() % 1001) / 1000; };
+    part.add(box.lower + box.size() * glm::vec3(place(), place(), place()));
+  }
+  return part;
+}
+
+/// Returns the entries of a random tree, with chunks of harmonics, and with parity between the chunks.
+std::vector<DirectoryEntry> random_entries(std::size_t count, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::vector<DirectoryEntry> entries, clusters;
+  std::uint64_t at = 121;
+  for (std::size_t i = 0; i < count; ++i) {
+    DirectoryEntry entry;
+    if (random() % 40 == 0) at += random() % 3000;
+    entry.offset = at;
+    entry.bytes = static_cast<std::uint32_t>(kChunkHeaderBytes + 1 + random() % 1200);
+    at += entry.bytes;
+    if (clusters.empty()) {
+      entry.parent = 0xffffffff;
+      entry.vectors = 60;
+      entry.box = kWhole;
+      clusters.push_back(entry);
+    } else {
+      const auto reach = std::min<std::size_t>(clusters.size(), 500);
+      entry.parent = static_cast<std::uint32_t>(clusters.size() - 1 - random() % reach);
+      const DirectoryEntry& parent = clusters[entry.parent];
+      entry.level = parent.level;
+      entry.box = parent.box;
+      if (random() % 5 > 0 && parent.level < 40) {
+        ++entry.level;
+        entry.vectors = static_cast<std::uint32_t>(1 + random() % 300);
+        // Some boxes exceed that of their parent.
+        entry.box = part_of(random() % 10 == 0 ? kWhole : parent.box, random);
+        clusters.push_back(entry);
+      }
+    }
+    entries.push_back(entry);
+  }
+  return entries;
+}
+
+/// Returns all entries of a directory. Requires that all chunks are valid.
+std::vector<DirectoryEntry> read_clusters(std::span<const Bytes> payloads) {
+  DirectoryReader reader(header_of_gaussians());
+  std::vector<DirectoryEntry> entries;
+  for (const Bytes& payload : payloads) REQUIRE(reader.add(ChunkType::cluster_directory, payload, entries));
+  return entries;
+}
+
+/// Checks that two boxes are equal, apart from rounding to 1/65535 of the whole one and, of the second, to 1/16 of its
+/// parent's.
+void check_contains(const Box& outer, const Box& inner, const Box& parent) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const float rounding = kWhole.size()[axis] / 65535 * 2 + 1e-5f;
+    REQUIRE(outer.lower[axis] <= inner.lower[axis] + 1e-5f);
+    REQUIRE(outer.upper[axis] >= inner.upper[axis] - 1e-5f);
+    const float step = parent.size()[axis] / 16 + rounding;
+    REQUIRE(outer.lower[axis] >= inner.lower[axis] - step);
+    REQUIRE(outer.upper[axis] <= inner.upper[axis] + step);
+  }
+}
+
+TEST_CASE("restores a directory of clusters with boxes that are never smaller") {
+  for (const std::size_t count : {1u, 2u, 700u, 40'000u}) {
+    const std::vector<DirectoryEntry> entries = random_entries(count, static_cast<std::uint32_t>(count));
+    const auto payloads = pack_clusters(entries, kWhole);
+    REQUIRE(payloads);
+    CHECK(payloads->size() == (count > 30'000 ? payloads->size() : 1));
+    std::size_t bytes = 0;
+    for (const Bytes& payload : *payloads) {
+      CHECK(payload.size() <= kMaxChunkBytes);
+      bytes += payload.size();
+    }
+    CHECK(bytes < 12 * count + 40);
+    const std::vector<DirectoryEntry> back = read_clusters(*payloads);
+    REQUIRE(back.size() == entries.size());
+    std::vector<std::size_t> clusters;  // their entries
+    for (std::size_t i = 0; i < back.size(); ++i) {
+      CHECK(back[i].offset == entries[i].offset);
+      CHECK(back[i].bytes == entries[i].bytes);
+      CHECK(back[i].level == entries[i].level);
+      CHECK(back[i].parent == entries[i].parent);
+      CHECK(back[i].vectors == entries[i].vectors);
+      const bool harmonics = entries[i].vectors == 0;
+      if (!harmonics) clusters.push_back(i);
+      const Box& parent = i == 0 ? kWhole : back[clusters[entries[i].parent]].box;
+      if (harmonics)
+        CHECK(back[i].box.lower == parent.lower);
+      else
+        check_contains(back[i].box, entries[i].box, parent);
+    }
+  }
+}
+
+TEST_CASE("a directory of clusters continues from chunk to chunk") {
+  const std::vector<DirectoryEntry> entries = random_entries(40'000, 3);
+  const auto payloads = pack_clusters(entries, kWhole);
+  REQUIRE(payloads);
+  REQUIRE(payloads->size() > 2);
+  const auto add = [&](DirectoryReader& reader, std::size_t i, std::vector<DirectoryEntry>& to) {
+    return reader.add(ChunkType::cluster_directory, (*payloads)[i], to);
+  };
+  std::vector<DirectoryEntry> all;
+  DirectoryReader without_first(header_of_gaussians());
+  CHECK_FALSE(add(without_first, 1, all));
+  CHECK_FALSE(add(without_first, 0, all));  // after an invalid chunk, nothing is read
+  CHECK(all.empty());
+  DirectoryReader without_second(header_of_gaussians());
+  CHECK(add(without_second, 0, all));
+  const std::size_t first = all.size();
+  CHECK_FALSE(add(without_second, 2, all));
+  CHECK(all.size() == first);
+  DirectoryReader twice(header_of_gaussians());
+  all.clear();
+  CHECK(add(twice, 0, all));
+  CHECK_FALSE(add(twice, 0, all));
+  CHECK(all.size() == first);
+}
+
+TEST_CASE("reads general directories of all streams, and compact ones of Gaussians only") {
+  const std::vector<DirectoryEntry> entries = random_entries(300, 5);
+  const Bytes general = encode_directory(entries, kWhole);
+  const auto compact = pack_clusters(entries, kWhole);
+  REQUIRE(compact);
+  for (const Payload payload : {Payload::gaussians, Payload::packed, Payload::values}) {
+    StreamHeader header = header_of_gaussians();
+    header.payload = payload;
+    DirectoryReader reader(header);
+    std::vector<DirectoryEntry> all;
+    CHECK(reader.add(ChunkType::directory, std::span(general).subspan(kChunkHeaderBytes), all));
+    CHECK(all.size() == entries.size());
+    CHECK(reader.add(ChunkType::cluster_directory, compact->front(), all) == (payload == Payload::gaussians));
+    CHECK_FALSE(reader.add(ChunkType::places, compact->front(), all));
+    CHECK_FALSE(reader.add(ChunkType::gaussians, compact->front(), all));
+  }
+}
+
+TEST_CASE("does not pack entries that the directory of clusters cannot express") {
+  const std::vector<DirectoryEntry> sound = random_entries(20, 5);
+  REQUIRE(pack_clusters(sound, kWhole));
+  const auto refused = [&](auto change) {
+    std::vector<DirectoryEntry> entries = sound;
+    change(entries);
+    return !pack_clusters(entries, kWhole);
+  };
+  CHECK(refused([](auto& e) { e[0].parent = 0; }));
+  CHECK(refused([](auto& e) { e[0].level = 1; }));
+  CHECK(refused([](auto& e) { e[0].vectors = 0; }));
+  CHECK(refused([](auto& e) { e[3].parent = 0xffffffff; }));
+  CHECK(refused([](auto& e) { e[3].parent = 19; }));
+  CHECK(refused([](auto& e) { e[3].level = 9; }));
+  CHECK(refused([](auto& e) { e[3].bytes = kChunkHeaderBytes; }));
+  CHECK(refused([](auto& e) { e[3].bytes = 5000; }));
+  CHECK(refused([](auto& e) { e[3].offset = 7; }));
+  CHECK(refused([](auto& e) { e[19].offset += std::uint64_t{1} << 24; }));
+  CHECK(refused([](auto& e) { e[1].vectors = 20'000; }));
+  CHECK(refused([](auto& e) { std::swap(e[1].box.lower, e[1].box.upper); }));
+  std::vector<DirectoryEntry> deep;
+  for (std::uint32_t level = 0; level < 256; ++level) {
+    DirectoryEntry entry{.offset = 100 + 60 * level, .bytes = 60, .parent = level - 1, .vectors = 9, .box = kWhole};
+    entry.level = static_cast<std::uint8_t>(level);
+    deep.push_back(entry);
+  }
+  CHECK_FALSE(pack_clusters(deep, kWhole));
+  deep.pop_back();
+  const auto payloads = pack_clusters(deep, kWhole);
+  REQUIRE(payloads);
+  CHECK(read_clusters(*payloads).back().level == 254);
+}
+
+// Requires entries within the limits of the format.
+void check_limits(std::span<const DirectoryEntry> entries) {
+  std::uint64_t end = 0;
+  std::uint32_t clusters = 0;
+  for (const DirectoryEntry& entry : entries) {
+    REQUIRE(entry.offset >= end);
+    REQUIRE(entry.bytes > kChunkHeaderBytes);
+    REQUIRE(entry.bytes < kChunkHeaderBytes + 2048);
+    REQUIRE(entry.vectors <= 1u << 14);
+    REQUIRE(entry.level < 255);
+    REQUIRE((entry.parent < clusters || (clusters == 0 && entry.parent == 0xffffffff)));
+    for (int axis = 0; axis < 3; ++axis) {
+      REQUIRE(entry.box.lower[axis] <= entry.box.upper[axis]);
+      REQUIRE(entry.box.lower[axis] >= kWhole.lower[axis]);
+      REQUIRE(entry.box.upper[axis] <= kWhole.upper[axis] + 1e-4f);
+    }
+    end = entry.offset + entry.bytes;
+    if (entry.vectors > 0) ++clusters;
+  }
+}
+
+TEST_CASE("truncated and mutated directories of clusters are refused or harmless") {
+  const auto payloads = pack_clusters(random_entries(300, 11), kWhole);
+  REQUIRE(payloads);
+  const Bytes& payload = payloads->front();
+  std::mt19937 random(11);
+  const auto add = [](std::span<const std::byte> bytes) {
+    DirectoryReader reader(header_of_gaussians());
+    std::vector<DirectoryEntry> entries;
+    const bool good = reader.add(ChunkType::cluster_directory, bytes, entries);
+    CHECK(good == !entries.empty());
+    check_limits(entries);
+    return good;
+  };
+  // A decoder reads up to eight zeros after the end.
+  for (std::size_t size = 0; size < payload.size(); ++size)
+    CHECK((size + 12 > payload.size() || !add(std::span(payload).first(size))));
+  for (int i = 0; i < 3000; ++i) {
+    Bytes mutated = payload;
+    mutated[random() % mutated.size()] = static_cast<std::byte>(random() % 256);
+    (void)add(mutated);
+  }
+  for (int i = 0; i < 300; ++i) {
+    Bytes noise;
+    put_number(noise, 0);
+    put_number(noise, 1 + random() % 20'000);
+    const int kind = i % 3;
+    for (std::size_t k = random() % 5000; k > 0; --k)
+      noise.push_back(kind == 0 ? std::byte{0} : kind == 1 ? std::byte{255} : static_cast<std::byte>(random()));
+    (void)add(noise);
+  }
+}
+
+}  // namespace cluster_directory_test
+}  // namespace gs::qnv
