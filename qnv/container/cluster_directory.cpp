@@ -22,11 +22,10 @@ using displaced::BitModel;
 constexpr std::uint32_t kMostPayload = 2047, kMostGap = (1u << 24) - 1, kMostVectors = 1u << 14;
 constexpr std::uint32_t kMostInChunk = 1u << 14;  // entries
 constexpr std::uint32_t kNoListedParent = 0xffffffff, kMostLevel = 254;
-constexpr std::uint64_t kMostListedOffset = std::uint64_t{1} << 48;
+constexpr std::uint32_t kUsualRatio = 585, kMostRatio = 65535;  // Gaussians per byte, in 1/4096
 
 /// Encoder with the calls of ListingGet, so that both directions share their code.
 struct ListingPut {
-  static constexpr bool kWrites = true;
   BinaryEncoder coder;
 
   bool bit(BitModel& model, bool value) {
@@ -41,7 +40,6 @@ struct ListingPut {
 
 /// Decoder. Values that are passed are ignored.
 struct ListingGet {
-  static constexpr bool kWrites = false;
   BinaryDecoder coder;
 
   bool bit(BitModel& model, bool) { return coder.get(model); }
@@ -107,7 +105,7 @@ struct ListedChunk {
   std::uint32_t payload = 0;  // bytes
   std::uint32_t parent = kNoListedParent;
   std::uint32_t vectors = 0;
-  BoxCodes box{};
+  BoxCodes box{};  // of harmonics: that of their cluster
 };
 
 /// Models and state of a directory. They continue from chunk to chunk.
@@ -115,16 +113,15 @@ struct ListingModels {
   std::array<BitModel, 2> harmonics;  // by the kind of the entry before
   BitModel gap;
   LongNumber gap_bytes;
-  std::array<BitTree<6>, 2> payload;  // upper bits, by kind
-  std::array<std::array<LongSigned, 4>, 2> parent;
+  std::array<BitTree<6>, 2> payload;                // upper bits, by kind
+  std::array<std::array<LongSigned, 4>, 2> parent;  // by kind and last_change
   LongSigned vectors;
-  std::array<std::array<BitTree<6>, 6>, 2> corner;  // by side and context
-  LongSigned far_corner;
+  std::array<BitTree<7>, 2> side;  // lower and upper sides of boxes
+  LongSigned far_side;
 
   bool after_harmonics = false;
-  std::array<std::uint32_t, 2> last_parent{};  // by kind
-  std::array<std::uint32_t, 2> last_change{};
-  std::uint32_t ratio = 585;  // Gaussians per byte, in 1/4096
+  std::array<std::uint32_t, 2> last_parent{}, last_change{};  // by kind; the change's length in fives of bits, up to 3
+  std::uint32_t ratio = kUsualRatio;
   std::vector<ListedCluster> clusters;
   std::uint64_t end = 0;  // of the entry before
 };
@@ -137,19 +134,17 @@ BoxCodes code_box(Coder& coder, ListingModels& models, const BoxCodes& parent, c
   BoxCodes coded{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::int32_t lower = parent[axis], upper = parent[axis + 3];
-    const int shift = std::max(static_cast<int>(std::bit_width(static_cast<std::uint32_t>(upper - lower))) - 5, 0);
-    std::size_t context = 0;
+    const int shift = std::max(static_cast<int>(std::bit_width(static_cast<std::uint32_t>(upper - lower))) - 6, 0);
     std::array<std::int32_t, 2> ends{};
     for (std::size_t side = 0; side < 2; ++side) {
-      constexpr std::int32_t kBelow = 16;
-      constexpr std::uint32_t kFar = 63;
+      constexpr std::int32_t kBelow = 32;
+      constexpr std::uint32_t kFar = 127;
       const std::int32_t inside = (side == 0 ? box[axis] - lower : upper - box[axis + 3]) >> shift;
       const bool near = inside >= -kBelow && inside < static_cast<std::int32_t>(kFar) - kBelow;
       const std::uint32_t symbol =
-          models.corner[side][context].code(coder, near ? static_cast<std::uint32_t>(inside + kBelow) : kFar);
+          models.side[side].code(coder, near ? static_cast<std::uint32_t>(inside + kBelow) : kFar);
       const std::int32_t steps =
-          symbol == kFar ? models.far_corner.code(coder, inside) : static_cast<std::int32_t>(symbol) - kBelow;
-      context = static_cast<std::size_t>(std::clamp(steps / 4 + 1, 0, 5));
+          symbol == kFar ? models.far_side.code(coder, inside) : static_cast<std::int32_t>(symbol) - kBelow;
       const auto moved = static_cast<std::int64_t>(steps) << shift;
       ends[side] =
           static_cast<std::int32_t>(std::clamp<std::int64_t>(side == 0 ? lower + moved : upper - moved, 0, 65535));
@@ -169,6 +164,7 @@ bool code_entry(Coder& coder, ListingModels& models, ListedChunk& chunk) {
   models.after_harmonics = chunk.harmonics;
   chunk.gap = coder.bit(models.gap, chunk.gap > 0) ? models.gap_bytes.code(coder, chunk.gap) : 0;
   chunk.payload = models.payload[kind].code(coder, chunk.payload >> 5) << 5 | coder.bits(chunk.payload & 31, 5);
+  if (chunk.payload == 0) return false;
   const auto known = static_cast<std::uint32_t>(models.clusters.size());
   const bool root = !chunk.harmonics && known == 0;
   if (root) {
@@ -182,7 +178,6 @@ bool code_entry(Coder& coder, ListingModels& models, ListedChunk& chunk) {
     last = chunk.parent;
     change = std::min(static_cast<std::uint32_t>(std::bit_width(static_cast<std::uint32_t>(std::abs(moved)))) / 5, 3u);
   }
-  if (chunk.payload == 0) return false;
   if (chunk.harmonics) {
     chunk.vectors = 0;
     chunk.box = models.clusters[chunk.parent].box;
@@ -193,7 +188,7 @@ bool code_entry(Coder& coder, ListingModels& models, ListedChunk& chunk) {
       expected + models.vectors.code(coder, static_cast<std::int32_t>(chunk.vectors) - expected);
   if (vectors < 1 || vectors > static_cast<std::int32_t>(kMostVectors)) return false;
   chunk.vectors = static_cast<std::uint32_t>(vectors);
-  models.ratio = models.ratio - models.ratio / 16 + (chunk.vectors << 12) / chunk.payload / 16;
+  models.ratio += std::min((chunk.vectors << 12) / chunk.payload, kMostRatio) / 16 - models.ratio / 16;
   ListedCluster cluster;
   if (!root) {
     const ListedCluster& parent = models.clusters[chunk.parent];

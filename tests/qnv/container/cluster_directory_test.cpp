@@ -78,14 +78,14 @@ std::vector<DirectoryEntry> read_clusters(std::span<const Bytes> payloads) {
   return entries;
 }
 
-/// Checks that two boxes are equal, apart from rounding to 1/65535 of the whole one and, of the second, to 1/16 of its
+/// Checks that two boxes are equal, apart from rounding to 1/65535 of the whole one and, of the second, to 1/32 of its
 /// parent's.
 void check_contains(const Box& outer, const Box& inner, const Box& parent) {
   for (int axis = 0; axis < 3; ++axis) {
     const float rounding = kWhole.size()[axis] / 65535 * 2 + 1e-5f;
     REQUIRE(outer.lower[axis] <= inner.lower[axis] + 1e-5f);
     REQUIRE(outer.upper[axis] >= inner.upper[axis] - 1e-5f);
-    const float step = parent.size()[axis] / 16 + rounding;
+    const float step = parent.size()[axis] / 32 + rounding;
     REQUIRE(outer.lower[axis] >= inner.lower[axis] - step);
     REQUIRE(outer.upper[axis] <= inner.upper[axis] + step);
   }

@@ -428,4 +428,5 @@ def main():
             print(*values, 1 if node["leaf"] else 0, *words)
 
 
-main()
+if __name__ == "__main__":
+    main()
