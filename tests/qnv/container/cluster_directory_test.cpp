@@ -1,14 +1,19 @@
 #include "qnv/container/cluster_directory.h"
 
-#include "base/bytes.h"
 #include "qnv/base/short_number.h"
+#include "tests/qnv/pinned_vectors.h"
 
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <random>
 #include <span>
+#include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 namespace gs::qnv {
@@ -250,6 +255,54 @@ TEST_CASE("truncated and mutated directories of clusters are refused or harmless
       noise.push_back(kind == 0 ? std::byte{0} : kind == 1 ? std::byte{255} : static_cast<std::byte>(random()));
     (void)add(noise);
   }
+}
+
+// An encoder once wrote gaussians_directory.qnv in tests/qnv/vectors/v1. gaussians_directory.py, written from FORMAT.md
+// alone, made the .txt file, and compared it with the chunks. Never regenerate any.
+TEST_CASE("decodes a pinned directory of clusters") {
+  const Bytes bytes = read_bytes("gaussians_directory.qnv");
+  std::size_t header_bytes = 0;
+  bool need_more = false;
+  const auto decoded = decode_header(bytes, header_bytes, need_more);
+  REQUIRE(std::holds_alternative<StreamHeader>(decoded));
+  const auto& header = std::get<StreamHeader>(decoded);
+  const auto chunk = std::span(bytes).subspan(static_cast<std::size_t>(header.directory));
+  const auto head = chunk_head(chunk);
+  REQUIRE(head);
+  REQUIRE(head->bytes == chunk.size());
+  CHECK(head->type == ChunkType::cluster_directory);
+  std::vector<DirectoryEntry> entries;
+  REQUIRE(DirectoryReader(header).add(head->type, chunk.subspan(kChunkHeaderBytes), entries));
+  CHECK(entries.size() == header.chunks);
+  const Box& whole = header.description.box;
+  std::string text;
+  for (const DirectoryEntry& entry : entries) {
+    const auto parent = entry.parent == 0xffffffff ? std::string("-1") : std::to_string(entry.parent);
+    text += std::to_string(entry.offset) + ' ' + std::to_string(entry.bytes - kChunkHeaderBytes) + ' ' +
+            std::to_string(entry.level) + ' ' + parent + ' ' + std::to_string(entry.vectors);
+    for (std::size_t i = 0; i < 6; ++i) {
+      const auto axis = static_cast<int>(i % 3);
+      const float at = (i < 3 ? entry.box.lower : entry.box.upper)[axis];
+      text += ' ' + std::to_string(std::lround((at - whole.lower[axis]) / whole.size()[axis] * 65535));
+    }
+    text += '\n';
+  }
+  CHECK(text == read_text("gaussians_directory.txt"));
+}
+
+TEST_CASE("encodes pinned bytes of a directory of clusters") {
+  const auto payloads = pack_clusters(random_entries(6, 5), kWhole);
+  REQUIRE(payloads);
+  REQUIRE(payloads->size() == 1);
+  std::string text;
+  for (const std::byte byte : payloads->front()) {
+    char word[4];
+    std::snprintf(word, sizeof word, "%02x", std::to_integer<unsigned>(byte));
+    text += word;
+  }
+  CHECK(text ==
+        "0006b03660f5fdfcc0b8bbd563de27c090de625e34ce5c5a90044e567a8eb8177a8a708c457"
+        "985f22c8afdb56ea1c2");
 }
 
 }  // namespace cluster_directory_test

@@ -1,3 +1,4 @@
+#include "qnv/container/cluster_directory.h"
 #include "tests/qnv/codecs/gaussians/lod/splat_stream_helpers.h"
 
 #include <chrono>
@@ -222,6 +223,22 @@ TEST_CASE("a wrong directory of Gaussians is replaced by the chunks") {
   std::ranges::reverse(entries);
   Bytes bytes(encoded.bytes.begin(), encoded.bytes.begin() + static_cast<std::ptrdiff_t>(encoded.header.directory));
   const Bytes directory = encode_directory(entries, encoded.header.description.box);
+  bytes.insert(bytes.end(), directory.begin(), directory.end());
+  const Stream stream = opened(SplatStream::open(memory_source(bytes)));
+  CHECK(stream->problems().size() == 1);
+  CHECK(count_of(stream->cut(closest_view())) == 3000);
+}
+
+TEST_CASE("a compact directory of Gaussians with wrong offsets is replaced by the chunks") {
+  const EncodedStream encoded = encoded_cloud(3000);
+  auto entries = read_directory(*memory_source(encoded.bytes), encoded.header);
+  REQUIRE(entries.size() == encoded.header.chunks);
+  for (DirectoryEntry& entry : entries) entry.offset += 2;
+  const auto payloads = pack_clusters(entries, encoded.header.description.box);
+  REQUIRE(payloads);
+  REQUIRE(payloads->size() == 1);
+  Bytes bytes(encoded.bytes.begin(), encoded.bytes.begin() + static_cast<std::ptrdiff_t>(encoded.header.directory));
+  const Bytes directory = encode_chunk(ChunkType::cluster_directory, payloads->front());
   bytes.insert(bytes.end(), directory.begin(), directory.end());
   const Stream stream = opened(SplatStream::open(memory_source(bytes)));
   CHECK(stream->problems().size() == 1);
