@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <filesystem>
+#include <set>
 #include <span>
 #include <utility>
 #include <variant>
@@ -53,14 +54,24 @@ std::string state_of_folder(const std::string& folder) {
   return std::to_string(count) + " files, " + std::to_string(sum);
 }
 
-// Opens the files that a VTK file names, and those that they name.
-void open_members(VtkFiles& files, const std::string& path, int depth) {
+// Opens the files that a VTK file names, and those that they name. Opens each file once, because files may name
+// themselves.
+void open_members(VtkFiles& files) {
   constexpr int kMostDepth = 4;
-  const VtkOpenedResult opened = files.open(path);
-  const auto* const file = std::get_if<std::shared_ptr<const VtkOpened>>(&opened);
-  if (!file || depth >= kMostDepth) return;
-  const std::shared_ptr<const VtkOpened> kept = *file;
-  for (const VtkMember& member : kept->index.members) open_members(files, VtkFiles::path_of(*kept, member), depth + 1);
+  std::set<std::string> known;
+  std::vector<std::string> paths{""};
+  for (int depth = 0; depth <= kMostDepth; ++depth) {
+    std::vector<std::string> next;
+    for (const std::string& path : paths) {
+      const VtkOpenedResult opened = files.open(path);
+      const auto* const file = std::get_if<std::shared_ptr<const VtkOpened>>(&opened);
+      if (!file) continue;
+      for (const VtkMember& member : (*file)->index.members)
+        if (std::string named = VtkFiles::path_of(**file, member); known.insert(named).second)
+          next.push_back(std::move(named));
+    }
+    paths = std::move(next);
+  }
 }
 
 std::string name_of_request(const FileRequest& request) {
@@ -100,7 +111,7 @@ std::string FileStates::text() const {
                        return result;
                      }};
     VtkFiles files(std::move(first));
-    open_members(files, {}, 0);
+    open_members(files);
   }
   std::string text;
   for (const auto& [reference, state] : all) text += "\n" + reference + " " + state;

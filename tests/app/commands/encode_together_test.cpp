@@ -1,10 +1,13 @@
 #include "app/commands/encode.h"
 #include "app/encode/encode_team.h"
+#include "app/formats/volume/file_states.h"
+#include "base/text.h"
 #include "tests/app/commands/vector_commands.h"
 
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -167,6 +170,24 @@ TEST_CASE("encode together: --resume notices changes of large files beside a hea
     team.fails = false;
     CHECK(encode(in, folder.path("out.qnv"), team, true) == kFailed);
   }
+}
+
+TEST_CASE("encode together: reads each file once that VTK files name, and themselves") {
+  std::string text = R"(<VTKFile type="Collection"><Collection>)";
+  for (int i = 0; i < 40; ++i)
+    for (const char* const file : {"v.pvd", "none.vti"})
+      text += "<DataSet timestep=\"" + std::to_string(i) + "\" file=\"" + file + "\"/>";
+  text += "</Collection></VTKFile>";
+  const SharedBytes file = shared_bytes(copied_bytes(text));
+  std::map<std::string, int> reads;
+  FileStates states;
+  states.add_members("v.pvd", file, [&](const std::string& reference) -> BytesResult {
+    ++reads[reference];
+    if (reference != "v.pvd") return reference + ": no such file";
+    return file;
+  });
+  CHECK(states.text().starts_with("\nv.pvd "));
+  CHECK(reads == std::map<std::string, int>{{"none.vti", 1}, {"v.pvd", 1}});
 }
 
 TEST_CASE("encode together: rejects slices that exceed the memory of a process") {
