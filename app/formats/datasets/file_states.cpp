@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <set>
 #include <span>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -74,6 +75,11 @@ void open_members(VtkFiles& files) {
   }
 }
 
+// Reports whether files_below() leaves a file out, such as the metadata of an array.
+bool is_hidden_file(std::string_view reference) {
+  return reference.substr(reference.rfind('/') + 1).starts_with('.');
+}
+
 std::string name_of_request(const FileRequest& request) {
   if (!request.part) return request.reference;
   return request.reference + " " + std::to_string(request.part->offset) + "+" + std::to_string(request.part->bytes);
@@ -127,17 +133,23 @@ void note_files(const std::string& path, const SharedBytes& file, VolumeOrigin& 
     if (const auto* const bytes = std::get_if<SharedBytes>(&result)) states->add(reference, *bytes);
     return result;
   };
-  if (std::ranges::find(zarr_entry_files(), path.substr(path.rfind('/') + 1)) != zarr_entry_files().end())
-    return origin.states->add_folder_of(path);
+  const std::string name = path.substr(path.rfind('/') + 1);
+  const bool container = std::ranges::find(zarr_entry_files(), name) != zarr_entry_files().end();
+  if (container) {
+    origin.states->add_folder_of(path);
+    origin.states->add(name, file);
+  }
   if (!origin.read_files) {
     origin.read_files = files_beside(path, {});
     origin.list_folder = lister_beside(path);
   }
-  origin.read_files = [read = std::move(origin.read_files),
-                       states = origin.states](std::span<const FileRequest> requests) {
+  origin.read_files = [read = std::move(origin.read_files), states = origin.states,
+                       container](std::span<const FileRequest> requests) {
     std::vector<FileResult> results = read(requests);
     for (std::size_t i = 0; i < std::min(results.size(), requests.size()); ++i)
-      if (const auto* const bytes = std::get_if<SharedBytes>(&results[i]))
+      // Of a container, the folder has the states of all files that are not hidden.
+      if (const auto* const bytes = std::get_if<SharedBytes>(&results[i]);
+          bytes && (!container || is_hidden_file(requests[i].reference)))
         states->add(name_of_request(requests[i]), *bytes);
     return results;
   };

@@ -172,6 +172,27 @@ TEST_CASE("encode together: --resume notices changes of large files beside a hea
   }
 }
 
+TEST_CASE("encode together: --resume notices changes of the hidden metadata of a container") {
+  const ScratchFolder folder;
+  const std::string array = R"({"zarr_format": 2, "shape": [8, 8, 8], "chunks": [8, 8, 8], "dtype": "|u1",
+    "compressor": null, "fill_value": 7, "filters": null, "order": "C"})";
+  const std::string changed = std::string(array).replace(array.find('7'), 1, "9");
+  folder.write("v.zarr/.zarray", array);
+  folder.write("group.zarr/.zgroup", R"({"zarr_format": 2})");
+  folder.write("group.zarr/a/.zarray", array);
+  for (const auto& [in, other] :
+       {std::pair("v.zarr", "v.zarr/.zarray"), std::pair("group.zarr", "group.zarr/a/.zarray")}) {
+    CAPTURE(in);
+    OneProcess team;
+    team.fails = true;
+    REQUIRE(encode(folder.path(in), folder.path("out.qnv"), team) == kNotWritten);
+    team.fails = false;
+    const std::string file = folder.write(other, changed);
+    std::filesystem::last_write_time(file, std::filesystem::last_write_time(file) + std::chrono::seconds(2));
+    CHECK(encode(folder.path(in), folder.path("out.qnv"), team, true) == kFailed);
+  }
+}
+
 TEST_CASE("encode together: reads each file once that VTK files name, and themselves") {
   std::string text = R"(<VTKFile type="Collection"><Collection>)";
   for (int i = 0; i < 40; ++i)
