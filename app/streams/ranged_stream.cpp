@@ -82,7 +82,9 @@ bool RangedStream::ask_for_more() {
     for (std::size_t number = 0; number < wanted_.size() && batch.bytes < most; ++number) {
       const std::uint64_t limit = std::min(most, batch.bytes + kMostNear);
       if (!add_wanted(number, batch)) continue;
-      // A separate request for a chunk nearby would cost a round trip.
+      // A separate request for a chunk nearby would cost a round trip. Without cuts, all chunks are wanted, and those
+      // nearby may be hidden.
+      if (has_fetch()) continue;
       for (const bool up : {true, false}) {
         std::size_t place = place_of_[number];
         while (batch.bytes < limit && (up ? place + 1 < by_offset_.size() : place > 0)) {

@@ -48,23 +48,47 @@ class WantingStream final : public qnv::ViewedStream {
   Box box_;
 };
 
+/// Stream that the reader thread decodes, with chunks in the order of their importance.
+class OrderedChunks final : public qnv::ChunkRequests {
+ public:
+  bool set_directory(std::span<const std::byte>) override { return true; }
+  void note(const qnv::LodView&) override {}
+  void forget(std::uint32_t) override {}
+  [[nodiscard]] std::vector<qnv::LodView> views() const override { return {}; }
+  [[nodiscard]] const Box& box() const override { return box_; }
+  [[nodiscard]] std::uint64_t directory() const override { return kDirectory; }
+  [[nodiscard]] bool in_stream_order() const override { return false; }
+  [[nodiscard]] std::vector<qnv::ChunkRange> wanted() const override { return chunks; }
+
+  std::vector<qnv::ChunkRange> chunks;
+
+ private:
+  Box box_;
+};
+
+RangedStream::Place place_of_stream() {
+  RangedStream::Place place;
+  place.url = "http://example.org/a.qnv";
+  place.front = kFront;
+  place.directory = kDirectory;
+  place.total = kDirectory + kDirectoryBytes;
+  place.ledger = std::make_shared<LoadLedger>();
+  return place;
+}
+
+void receive_directory_of(RangedStream& transfer) {
+  for (const bool end : {false, true}) {
+    net::LoadEvent event{{1}, net::LoadDone{}};
+    if (!end) event.what = net::LoadData{kDirectory, std::vector<std::byte>(kDirectoryBytes)};
+    REQUIRE(transfer.take(event));
+  }
+}
+
 /// Transfer of a stream with a requested directory.
 struct Transfer {
-  Transfer() {
-    RangedStream::Place place;
-    place.url = "http://example.org/a.qnv";
-    place.front = kFront;
-    place.directory = kDirectory;
-    place.total = kDirectory + kDirectoryBytes;
-    place.ledger = std::make_shared<LoadLedger>();
-    transfer = std::make_unique<RangedStream>(loader, feed, std::move(place));
-  }
+  Transfer() { transfer = std::make_unique<RangedStream>(loader, feed, place_of_stream()); }
   void receive_directory() {
-    for (const bool end : {false, true}) {
-      net::LoadEvent event{{1}, net::LoadDone{}};
-      if (!end) event.what = net::LoadData{kDirectory, std::vector<std::byte>(kDirectoryBytes)};
-      REQUIRE(transfer->take(event));
-    }
+    receive_directory_of(*transfer);
     (void)feed->apply();
     feed->ask();
   }
@@ -111,6 +135,26 @@ TEST_CASE("requests less important chunks together with the important ones besid
   }
   // The most important chunk is among the first.
   CHECK(asked[0]);
+}
+
+TEST_CASE("requests hidden chunks of a stream without cuts after the visible ones") {
+  // Each tenth chunk is visible.
+  constexpr std::uint64_t kChunks = 4000, kBytes = 3000, kVisible = 10;
+  const auto requests = std::make_shared<OrderedChunks>();
+  for (const bool visible : {true, false})
+    for (std::uint64_t i = 0; i < kChunks; ++i)
+      if ((i % kVisible == 0) == visible) requests->chunks.push_back({kFront + i * kBytes, kBytes});
+  KeptRequests loader;
+  RangedStream transfer(loader, std::make_shared<StreamFeed>(requests, nullptr), place_of_stream(),
+                        {[](const auto&) {}, [](const auto&) {}, [] {}});
+  receive_directory_of(transfer);
+  REQUIRE(transfer.ask_for_more());
+  REQUIRE(loader.requests.size() > 1);
+  for (const net::Request& request : std::span(loader.requests).subspan(1))
+    for (const net::ByteRange& range : request.ranges) {
+      CHECK((range.begin - kFront) % (kVisible * kBytes) == 0);
+      CHECK(range.end - range.begin == kBytes);
+    }
 }
 
 }  // namespace gs::app::ranged_stream_test
