@@ -274,13 +274,13 @@ bool DirectoryReader::add_clusters(std::span<const std::byte> payload, std::vect
   if (!clusters_) clusters_ = std::make_unique<Clusters>();
   Clusters& state = *clusters_;
   const auto first = take_wide_number(payload), count = take_wide_number(payload);
-  // The models depend on all earlier entries, so that an invalid chunk is the last one.
   // Callers may pass an empty list for each chunk, but the models keep all clusters.
   const std::uint64_t known = std::max<std::uint64_t>(entries.size(), state.entries);
   const bool follows = !state.invalid && first && count && *first == state.entries && *count > 0 &&
                        *count <= kMostInChunk && *count <= kMaxDirectoryEntries - known;
-  state.invalid = true;
   if (!follows) return false;
+  // The models depend on all earlier entries, so that an invalid chunk is the last one.
+  state.invalid = true;
   const std::size_t before = entries.size();
   ListingGet get{BinaryDecoder(payload)};
   for (std::uint64_t i = 0; i < *count; ++i) {

@@ -139,8 +139,10 @@ TEST_CASE("a directory of clusters continues from chunk to chunk") {
   std::vector<DirectoryEntry> all;
   DirectoryReader without_first(header_of_gaussians());
   CHECK_FALSE(add(without_first, 1, all));
-  CHECK_FALSE(add(without_first, 0, all));  // after an invalid chunk, nothing is read
   CHECK(all.empty());
+  CHECK(add(without_first, 0, all));
+  CHECK(add(without_first, 1, all));
+  all.clear();
   DirectoryReader without_second(header_of_gaussians());
   CHECK(add(without_second, 0, all));
   const std::size_t first = all.size();
@@ -151,6 +153,14 @@ TEST_CASE("a directory of clusters continues from chunk to chunk") {
   CHECK(add(twice, 0, all));
   CHECK_FALSE(add(twice, 0, all));
   CHECK(all.size() == first);
+  CHECK(add(twice, 1, all));
+  DirectoryReader damaged(header_of_gaussians());
+  Bytes bytes = payloads->front();
+  bytes.resize(bytes.size() / 2);
+  all.clear();
+  CHECK_FALSE(damaged.add(ChunkType::cluster_directory, bytes, all));
+  CHECK_FALSE(add(damaged, 0, all));  // after an invalid chunk, nothing is read
+  CHECK(all.empty());
 }
 
 TEST_CASE("reads general directories of all streams, and compact ones of Gaussians only") {
