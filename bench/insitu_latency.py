@@ -37,7 +37,7 @@ options = parser.parse_args()
 
 
 def free_port():
-    """Returns a port of this machine that no socket uses, also no closed connection of an earlier run."""
+    """Returns a local port that no socket uses, not even a closed connection of an earlier run."""
     with socket.socket() as one:
         one.bind(("127.0.0.1", 0))
         return one.getsockname()[1]

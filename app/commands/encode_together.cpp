@@ -34,7 +34,7 @@ std::string key_of(const EncodeTeam& team, const EncodeInput& opened) {
     const auto time = std::filesystem::last_write_time(file, error).time_since_epoch().count();
     key += "\n" + std::to_string(size) + " " + std::to_string(time);
   }
-  // A file may name others, such as the voxels of a header and the pieces of a grid.
+  // An input file may refer to other files, such as the voxels of a header or the pieces of a grid.
   for (const auto& files : opened.input.others) key += "\n" + files->text();
   if (const auto* const grid = std::get_if<LargeGrid>(&opened.input.content)) key += "\n" + grid->source->state();
   return key;

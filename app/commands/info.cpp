@@ -173,7 +173,7 @@ std::string_view name_of(qnv::GaussianCoding::Version version) {
   return version == Version::plain ? "plain" : version == Version::trained ? "trained" : "tuned";
 }
 
-// Adds the properties of a stream of Gaussians, and the errors at its end: those of important ones, and the largest.
+// Adds the properties of a stream of Gaussians, and its errors at the end: for important Gaussians, and for all.
 void put_gaussians(JsonValue& facts, const qnv::StreamHeader& header) {
   const qnv::gaussians::SplatErrors errors = qnv::gaussians::splat_errors(header.gaussians);
   const auto both = [](const std::array<double, 2>& values) { return JsonValue::list({values[0], values[1]}); };

@@ -13,7 +13,7 @@ namespace {
 
 // Maximum gap in bytes between two ranges of one request. Reading a smaller gap costs less than another request.
 constexpr std::uint64_t kJoin = 16384;
-// Maximum gap in bytes between a chunk and a less important one that is requested with it, and maximum bytes of these.
+// Limits of a group of wanted chunks that one request reads together, in bytes: gap between two of them, and total.
 constexpr std::uint64_t kNearChunk = 4096, kMostNear = std::uint64_t{64} << 10;
 constexpr std::uint64_t kBatch = std::uint64_t{256} << 10;  // max bytes per request
 constexpr std::size_t kMaxOpen = 3;  // max concurrent requests; several keep the connection busy
@@ -32,7 +32,7 @@ RangedStream::RangedStream(net::LoadRequests& loader, std::shared_ptr<StreamFeed
   else
     directory_request_ = request({{place_.directory, place_.total}}, kDirectoryPriority);
   // Views cannot choose chunks before the directory is here. Meanwhile, read the chunks in the order of the file.
-  // More of them than bytes of the directory would delay the chunks that views choose.
+  // Read at most as many bytes as the directory has; more would delay the chunks that views choose.
   const std::uint64_t length = place_.total - place_.directory;
   if (!over_ && !has_fetch() && length > kLongDirectory)
     front_request_ = request({{place_.front, std::min(place_.directory, place_.front + length)}}, kDirectoryPriority);
@@ -59,7 +59,7 @@ void RangedStream::sort_wanted() {
 bool RangedStream::add_wanted(std::size_t number, Batch& batch) {
   const qnv::ChunkRange& chunk = wanted_[number];
   if (chunk.offset + chunk.bytes <= place_.front || chunk.offset + chunk.bytes > place_.directory) return false;
-  // Of a long stream, chunks may be received, dropped and wanted again.
+  // Chunks of a long stream may be received, dropped and wanted again.
   const bool again = chunk.again && taken_.contains(chunk.offset) && asked_again_.insert(chunk.offset).second;
   if (again) taken_.erase(chunk.offset);
   if (!asked_.insert(chunk.offset).second && !again) return false;
@@ -82,8 +82,8 @@ bool RangedStream::ask_for_more() {
     for (std::size_t number = 0; number < wanted_.size() && batch.bytes < most; ++number) {
       const std::uint64_t limit = std::min(most, batch.bytes + kMostNear);
       if (!add_wanted(number, batch)) continue;
-      // A separate request for a chunk nearby would cost a round trip. Without cuts, all chunks are wanted, and those
-      // nearby may be hidden.
+      // Adds nearby chunks, because a separate request for them would cost a round trip. Without cuts, all chunks are
+      // wanted, and nearby ones may be hidden.
       if (has_fetch()) continue;
       for (const bool up : {true, false}) {
         std::size_t place = place_of_[number];

@@ -59,7 +59,7 @@ class RangedStream final : public ViewedTransfer {
   struct Batch {
     std::map<std::uint64_t, std::vector<std::byte>> runs;
     std::vector<qnv::ChunkRange> chunks;
-    std::uint64_t bytes = 0;  // of these chunks
+    std::uint64_t bytes = 0;  // sum over `chunks`
   };
   net::RequestId request(std::vector<net::ByteRange> ranges, int priority);
   /// Marks a wanted chunk as requested, and adds it to a batch. Returns false if it needs no request.
@@ -80,7 +80,7 @@ class RangedStream final : public ViewedTransfer {
   std::optional<net::RequestId> directory_request_, front_request_;
   std::vector<std::byte> directory_;
   std::vector<qnv::ChunkRange> wanted_;
-  std::vector<std::size_t> by_offset_, place_of_;  // indices in wanted_ by offset; places of these indices
+  std::vector<std::size_t> by_offset_, place_of_;  // indices in wanted_, sorted by offset; inverse of by_offset_
   std::unordered_set<std::uint64_t> asked_;  // offsets of all requested chunks
   std::unordered_set<std::uint64_t> taken_;  // offsets of all received chunks
   std::unordered_set<std::uint64_t> asked_again_;  // of those chunks, since the last change of `wanted_`

@@ -22,7 +22,7 @@ constexpr double kFewer = 0.85, kFewest = 0.5, kSlightlyFewer = 0.95, kMore = 1.
 constexpr double kLeastPictureShare = 0.4;  // fraction of the goal that a picture always has for itself
 constexpr double kIdle = 0.65;              // fraction of the goal below which more Gaussians are drawn
 constexpr double kUsed = 0.75;              // fraction of the maximum above which the maximum limits a picture
-/// Decoding of views at rest: processor time of the smallest amount, doublings from picture to picture, and maximum.
+/// Decoding for views at rest: seconds for the smallest amount, maximum doublings of it, and maximum amounts.
 constexpr double kAmountSeconds = 0.02;
 constexpr unsigned kMostDoublings = 5;
 constexpr double kMostAmounts = std::size_t{1} << kMostDoublings;
@@ -40,7 +40,7 @@ double usual_cost(std::size_t level) {
 
 }  // namespace
 
-/// Returns the maximum time of a frame.
+/// Returns the maximum time of a frame. Exceeds kGoal if other work leaves too little for the picture.
 double PictureDetail::goal() const { return std::max(kGoal, other_ + kLeastPictureShare * kGoal); }
 
 void PictureDetail::choose(std::size_t level) {
@@ -76,7 +76,7 @@ bool PictureDetail::draw_fewer(std::size_t level, std::size_t gaussians) {
 
 std::size_t PictureDetail::decoded_amounts(unsigned rests) const {
   if (rests == 0) return 1;
-  // The first picture is in time. Later ones decode for as long as they draw, because each draws all Gaussians again.
+  // The first picture takes kRestGoal. Later ones decode as long as they draw, because each draws all Gaussians again.
   const double doubled = static_cast<double>(std::size_t{1} << std::min(rests, kMostDoublings));
   const double seconds = rests == 1 ? kRestGoal - rest_seconds_ : rest_seconds_;
   return static_cast<std::size_t>(std::clamp(seconds / kAmountSeconds, doubled, kMostAmounts));

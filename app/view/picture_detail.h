@@ -19,7 +19,7 @@ class PictureDetail {
  public:
   static constexpr double kGoal = 1.0 / 15;  // max time of a frame with a picture that changes
   static constexpr double kRestGoal = 0.25;  // time of the first frame at rest, unless drawing alone takes longer
-  static constexpr double kLongestFadingPicture = 0.08;  // a change with longer pictures has too few of them
+  static constexpr double kLongestFadingPicture = 0.08;  // max seconds; slower pictures are too few for a fade
   /// Bounds and first value of the maximum number of Gaussians.
   static constexpr std::size_t kFewestGaussians = 80'000, kMostGaussians = 2'500'000, kFirstGaussians = 300'000;
   static constexpr std::array<PictureQuality, 10> kQualities{{{false, 1},
@@ -42,15 +42,15 @@ class PictureDetail {
   [[nodiscard]] std::size_t level(bool changing) const { return changing ? level_ : 0; }
   /// Returns the maximum number of Gaussians of the next picture at a level; 0 means unlimited.
   [[nodiscard]] std::size_t most_gaussians(std::size_t level) const { return level == 0 ? 0 : most_gaussians_; }
-  /// Reports whether Gaussians that change fade in the next picture at a level. In slow pictures at rest they do not,
-  /// so that the first one is complete.
+  /// Reports whether changes of Gaussians fade in the next picture at a level. Slow pictures at rest do not fade, so
+  /// that the first one is complete.
   [[nodiscard]] bool fades(std::size_t level) const { return level > 0 || rest_seconds_ < kLongestFadingPicture; }
-  /// Returns how many of the smallest amounts that a stream decodes for a picture it decodes for the next one.
-  /// `rests` is the number of the next picture among those of a view at rest, from 1 on; 0 means a changing picture.
+  /// Returns the amount to decode for the next picture, as a multiple of the amount for a changing picture. `rests`
+  /// counts the pictures of a view at rest, including the next one; 0 means that the next picture changes.
   [[nodiscard]] std::size_t decoded_amounts(unsigned rests) const;
   /// Records that the frame of a picture at `level` took `seconds`, or that user input cancelled it. The picture had
   /// `gaussians` Gaussians. `other_seconds` is the part of the frame for Scripts, other pictures and the interface. If
-  /// that part leaves too little of the goal, the picture may take 40 % of the goal in addition.
+  /// that part leaves less than 40 % of the goal, the picture may still take 40 % of it.
   void note(std::size_t level, bool given_up, double seconds, std::size_t gaussians = 0, double other_seconds = 0);
 
  private:
@@ -63,11 +63,11 @@ class PictureDetail {
   std::size_t most_gaussians_ = kFirstGaussians;
   int pictures_ = 0;        // pictures at the current level and with the current number of Gaussians
   int excess_ = 0;          // consecutive pictures with far more Gaussians than the maximum
-  double mean_ = 0;         // mean time of their frames; recent pictures count more
-  double other_ = 0;        // mean of the part of this time that the picture does not need
+  double mean_ = 0;         // mean time of the frames of `pictures_`; recent ones count more
+  double other_ = 0;        // mean part of mean_ for Scripts, other pictures and the interface
   std::size_t former_ = 0;  // level before the last change; equal to level_ if the change is already measured
   double former_mean_ = 0;
-  double rest_seconds_ = 0;  // time of the last complete frame at level 0
+  double rest_seconds_ = 0;  // time of the last frame at level 0; a cancelled one can only increase it
   int resting_ = 0;          // pictures until a coarser level may be chosen again, because the last one saved no time
   /// measured ratio of the times of the next finer level and of this level; 0 if unknown
   std::array<double, kQualities.size()> growth_{};

@@ -169,7 +169,7 @@ bool Viewer::ends() {
 // Stores the thumbnail of the active viewport, if it is new. `rests` means that nothing is drawn in this step.
 void Viewer::keep_thumbnail(bool rests) {
   const View* const seen = session_.view();
-  // A picture without a clock would wait for the thread that prepares detail.
+  // A thumbnail has no clock, so it would wait for the thread that prepares more detail.
   if (!seen || frame_.loading || awaits_finer() || !start_page_.wants(*seen, rests, Window::now())) return;
   ViewerOptions options = options_;
   options.budget = std::min(budget(), kThumbnailVectors);

@@ -16,7 +16,7 @@ constexpr double kMaxAhead = 0.25;         // maximum of the expected drawing ti
 constexpr int kSettlingFramesAfterWait = 3;
 constexpr glm::vec3 kEmptyBackground(0.17f, 0.18f, 0.20f);
 
-/// Returns a counter that increases when streams of Gaussians have more detail.
+/// Returns a counter that increases when a stream of Gaussians receives or restores chunks.
 std::uint64_t gaussians_revision(const render::RenderList& list) {
   std::uint64_t revision = 0;
   for (const render::SplatItem& item : list.splats)

@@ -81,7 +81,7 @@ class Viewer final : public WindowOperations, NonCopyable {
   StartPage start_page_;
   PictureLedger pictures_;
   std::array<PictureDetail, kMaxViewports> details_;
-  std::array<unsigned, kMaxViewports> rests_{};  // consecutive pictures of a view at rest
+  std::array<unsigned, kMaxViewports> rests_{};  // consecutive pictures at rest, by viewport
   LoadingPace pace_;
   std::string title_;
   PictureMeasures measures_;

@@ -24,7 +24,7 @@ constexpr std::uint32_t kMostInChunk = 1u << 14;  // entries
 constexpr std::uint32_t kNoListedParent = 0xffffffff, kMostLevel = 254;
 constexpr std::uint32_t kUsualRatio = 585, kMostRatio = 65535;  // Gaussians per byte, in 1/4096
 
-/// Encoder with the calls of ListingGet, so that both directions share their code.
+/// Encoder with the functions of ListingGet, so that both directions share their code.
 struct ListingPut {
   BinaryEncoder coder;
 
@@ -38,7 +38,7 @@ struct ListingPut {
   }
 };
 
-/// Decoder. Values that are passed are ignored.
+/// Decoder. Ignores the values that it receives.
 struct ListingGet {
   BinaryDecoder coder;
 
@@ -98,10 +98,10 @@ struct ListedCluster {
   std::uint8_t level = 0;
 };
 
-/// Entry before it becomes a DirectoryEntry.
+/// Fields of a DirectoryEntry in the form that is coded.
 struct ListedChunk {
   bool harmonics = false;
-  std::uint32_t gap = 0;      // bytes between the end of the entry before and this one
+  std::uint32_t gap = 0;      // bytes between the previous entry and this one
   std::uint32_t payload = 0;  // bytes
   std::uint32_t parent = kNoListedParent;
   std::uint32_t vectors = 0;
@@ -110,7 +110,7 @@ struct ListedChunk {
 
 /// Models and state of a directory. They continue from chunk to chunk.
 struct ListingModels {
-  std::array<BitModel, 2> harmonics;  // by the kind of the entry before
+  std::array<BitModel, 2> harmonics;  // by the kind of the previous entry
   BitModel gap;
   LongNumber gap_bytes;
   std::array<BitTree<6>, 2> payload;                // upper bits, by kind
@@ -120,10 +120,10 @@ struct ListingModels {
   LongSigned far_side;
 
   bool after_harmonics = false;
-  std::array<std::uint32_t, 2> last_parent{}, last_change{};  // by kind; the change's length in fives of bits, up to 3
+  std::array<std::uint32_t, 2> last_parent{}, last_change{};  // by kind; bit length of the change / 5, at most 3
   std::uint32_t ratio = kUsualRatio;
   std::vector<ListedCluster> clusters;
-  std::uint64_t end = 0;  // of the entry before
+  std::uint64_t end = 0;  // of the previous entry
 };
 
 constexpr BoxCodes kWholeBox{0, 0, 0, 65535, 65535, 65535};
@@ -274,12 +274,12 @@ bool DirectoryReader::add_clusters(std::span<const std::byte> payload, std::vect
   if (!clusters_) clusters_ = std::make_unique<Clusters>();
   Clusters& state = *clusters_;
   const auto first = take_wide_number(payload), count = take_wide_number(payload);
-  // Callers may pass an empty list for each chunk, but the models keep all clusters.
+  // Limits the clusters that the models keep, even if the caller passes an empty list for each chunk.
   const std::uint64_t known = std::max<std::uint64_t>(entries.size(), state.entries);
   const bool follows = !state.invalid && first && count && *first == state.entries && *count > 0 &&
                        *count <= kMostInChunk && *count <= kMaxDirectoryEntries - known;
   if (!follows) return false;
-  // The models depend on all earlier entries, so that an invalid chunk is the last one.
+  // The models depend on all earlier entries, so no chunk after an invalid one can be decoded.
   state.invalid = true;
   const std::size_t before = entries.size();
   ListingGet get{BinaryDecoder(payload)};

@@ -36,7 +36,7 @@ class DirectoryReader {
 
   Box box_;
   bool gaussians_;
-  std::unique_ptr<Clusters> clusters_;  // state of the decoder of clusters; null until the first chunk
+  std::unique_ptr<Clusters> clusters_;  // state of the decoder of clusters; null until their first chunk
 };
 
 }  // namespace gs::qnv

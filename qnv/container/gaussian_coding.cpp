@@ -9,7 +9,7 @@
 namespace gs::qnv {
 namespace {
 
-// Place of the version in the byte of the degree. Readers of earlier versions refuse the degree.
+// Bit position of the version in the byte of the degree. Readers of earlier versions refuse the degree.
 constexpr int kVersionShift = 4;
 // Place of the number of fine bits in the flags.
 constexpr int kFineShift = 4;

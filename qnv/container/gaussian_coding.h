@@ -17,7 +17,7 @@ struct GaussianCoding {
   int degree = 0;            // of the spherical harmonics, 0 to 3
   bool antialiased = false;  // as Gaussians::antialiased
 
-  /// Coding of the Gaussians. Encoders write the last one.
+  /// Version of the coding. Encoders write the last one.
   enum class Version : std::uint8_t {
     plain,
     trained,  // models start with a table

@@ -23,7 +23,7 @@ constexpr std::size_t kGaussianItemTexels = 14;
 constexpr std::size_t kMaxGaussians = std::size_t{1} << 28;
 constexpr std::size_t kQuads = 64;  // splats per instance; more reduce the driver's work per instance
 constexpr std::size_t kRectangleTexels = 3, kRectangleBytes = kRectangleTexels * sizeof(glm::vec4);
-constexpr std::size_t kMaxRectangles = (std::size_t{1} << 29) / kRectangleBytes;  // the vertex shader projects more
+constexpr std::size_t kMaxRectangles = (std::size_t{1} << 29) / kRectangleBytes;  // if more, the vertex shader projects
 constexpr std::size_t kProjectGroup = 128, kMaxProjectGroups = 65535;  // maximum groups that OpenGL 4.3 guarantees
 // Splats from which the work is estimated, in blocks of successive ones.
 constexpr std::size_t kSurveyedBlocks = 64, kSurveyedBlock = 32;
@@ -149,7 +149,7 @@ GaussianGl::GaussianGl(const Gl& gl, SortMethod sort)
   gl_.BindVertexArray(0);
 }
 
-/// Returns the program, which is compiled on first use. It is empty if the driver rejects it.
+/// Returns the program of a drawing. Compiles it on first use. It is empty if the driver rejects it.
 const Program& GaussianGl::program(Drawing drawing) {
   const auto index = static_cast<std::size_t>(drawing);
   if (!tried_programs_[index]) {
@@ -176,7 +176,7 @@ bool GaussianGl::upload_items(std::span<const GaussianItem> items, std::span<con
   return upload_item_texels(gl_, texels, item_buffer_, items_);
 }
 
-/// Selects a program, and sets its uniforms and textures. Ignores those that it lacks.
+/// Selects a program, and sets its uniforms and textures. Skips those that the program lacks.
 void GaussianGl::set_view(const Program& program, std::size_t items, const View& view, float nearest,
                           float farthest) const {
   gl_.UseProgram(program.name());
@@ -228,7 +228,7 @@ bool GaussianGl::can_make_rectangles(std::size_t total) {
   return project_ && program(Drawing::read_rectangles);
 }
 
-/// Projects all splats with a compute shader. Returns false if memory does not suffice.
+/// Projects all splats with a compute shader. Returns false if OpenGL reports an error, such as insufficient memory.
 bool GaussianGl::make_rectangles(std::size_t items, std::size_t total, const View& view) {
   take_errors(gl_);
   if (total > rectangle_room_) {

@@ -34,9 +34,9 @@ constexpr float kGaussianLayerGain = 4;
 /// project the splats and evaluate their harmonics. A VolumeTarget blends the rectangles of all scenes, in 16 bits per
 /// channel.
 ///
-/// Compute shaders sort for each position of the eye. They also project each splat once; without them, the vertex
-/// shader projects each corner. The order of the thread may be that of an earlier position (DepthOrder). Runs on the
-/// thread of its context.
+/// Compute shaders sort for each position of the eye, else a thread, perhaps for an earlier position (DepthOrder). If
+/// they sort and no splat is flat, compute shaders also project each splat once. Otherwise, the vertex shader projects
+/// each corner. Runs on the thread of its context.
 class GaussianGl {
  public:
   explicit GaussianGl(const Gl& gl, SortMethod sort = SortMethod::automatic);
@@ -75,7 +75,7 @@ class GaussianGl {
   VertexArray attributes_;
   Buffer corners_, item_buffer_, rectangle_buffer_;
   Texture items_, order_texture_, rectangles_;
-  std::size_t rectangle_room_ = 0;  // splats for which the buffer has room
+  std::size_t rectangle_room_ = 0;  // capacity of rectangle_buffer_, in splats
   Rectangles rectangle_state_ = Rectangles::impossible;
 };
 

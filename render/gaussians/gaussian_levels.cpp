@@ -134,7 +134,7 @@ const std::vector<qnv::SplatRun>* GaussianLevels::cut(const std::shared_ptr<cons
   if (!entry.shown.contains(motion.view.viewport)) {
     if (!moves) return nullptr;
     // The first cut is as fine as the Gaussians that it replaces, unless the cache has freed a part of it. Coarser ones
-    // then fade in. Drawing all Gaussians until the cut is decoded would make the begin of the motion slow.
+    // then fade in. Drawing all Gaussians until the cut is decoded would make the start of the motion slow.
     stream.forget(motion.view.viewport);
     (void)stream.cut(fine, motion.time);
     entry.shown[motion.view.viewport].moves = true;

@@ -68,8 +68,8 @@ void project_gaussians(const GaussianItem& item, const SplatView& view, std::siz
 [[nodiscard]] VolumeLayer rasterize_gaussians(std::span<const GaussianItem> items, const SplatView& view,
                                               const VolumeStops& stops = {}, bool with_depths = true);
 
-/// Records a picture that needs no Gaussians. After some of them in a row, frees the arrays that the last picture left
-/// for the next one. Thread-safe.
+/// Records a picture without Gaussians. After several such pictures in a row, frees the arrays that are kept for the
+/// next picture with Gaussians. Thread-safe.
 void note_picture_without_gaussians();
 
 }  // namespace gs::render

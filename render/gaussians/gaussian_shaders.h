@@ -71,8 +71,8 @@ vec3 harmonics(int degree, int texel, vec3 d) {
 }
 )glsl";
 
-/// Projects splats as project_gaussians() defines it. SURFELS: some splats may be flat. After kItemsShader and the
-/// shader above.
+/// Projects splats as project_gaussians() defines it. Needs SURFELS if a splat is flat. After kItemsShader and
+/// kGaussianDataShader.
 inline constexpr char kGaussianProjectionShader[] = R"glsl(
 uniform vec4 lens;  // xy: pixels per length 1 at depth 1; zw: size of the viewport
 uniform vec4 limits;  // of the tangents at which the projection is linearised: left, low, right, high
@@ -213,8 +213,8 @@ bool project(int number, out Rectangle result) {
 }
 )glsl";
 
-/// Writes the rectangles of all splats, in their order, as three texels each. An invisible splat has the root 0. After
-/// the shaders above and kRankShader. Needs version 430.
+/// Writes the rectangles of all splats, in sorted order, as three texels each. An invisible splat has the root 0. After
+/// kRankShader and kGaussianProjectionShader. Needs version 430.
 inline constexpr char kGaussianRectanglesShader[] = R"glsl(
 layout(local_size_x = 128) in;
 layout(std430, binding = 1) writeonly buffer Rectangles { vec4 rectangles[]; };
@@ -257,8 +257,8 @@ bool project(int place, out Rectangle result) {
 }
 )glsl";
 
-/// Draws the rectangles of splats, four vertices each. An instance has QUADS splats. After kRankShader and the shaders of
-/// the projection, or after kGaussianReadShader.
+/// Draws the rectangles of splats, four vertices each. An instance has QUADS splats. After kRankShader and
+/// kGaussianProjectionShader, or after kGaussianReadShader.
 inline constexpr char kGaussianVertexShader[] = R"glsl(
 uniform int count;
 uniform float gain;

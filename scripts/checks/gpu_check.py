@@ -28,7 +28,7 @@ from PIL import Image
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 SHARED = pathlib.Path(os.environ.get("GHOSTSPACE_SHARED", ROOT.parent / "shared"))
-# Worlds, their options, and the least PSNR in dB. Edges of polygons have other samples on other drivers.
+# Worlds, options, and minimum PSNR in dB. It is lower for polygons, because drivers sample their edges differently.
 WORLDS = [
     (ROOT / "assets/worlds/demo.wrl", "", 30),
     (SHARED / "data/splats/biker.compressed.ply", "", 45),
@@ -58,7 +58,7 @@ def psnr(a, b):
 
 
 def draw(options, world, more, backend, splats, picture, cache):
-    """Draws one picture. Returns the measurements of the program, or none and its messages."""
+    """Draws one picture. Returns the measurements of the program, or None, and an error text."""
     stats = picture.with_suffix(".json")
     command = [options.program, "--snapshot", picture, "--stats", stats, "--size", options.size, "--backend", backend,
                "--splats", splats, "--no-config", "--offline", *more.split(), world]

@@ -46,7 +46,7 @@ struct OpenedInput {
   std::vector<std::string> losses = {};         // properties of the file that its importer does not keep, as messages
   Upright upright{};                            // orientation that the format implies, if the file defines none
   std::shared_ptr<const net::MappedFile> file;  // mapped file, if `content` is read in parts
-  std::vector<std::shared_ptr<const FileStates>> others = {};  // other files of volumes, a list per step
+  std::vector<std::shared_ptr<const FileStates>> others = {};  // states of the other files of volumes
 };
 
 /// Returns the maximum number of triangles in memory while a displaced payload is encoded. A larger mesh is simplified

@@ -29,7 +29,7 @@ std::string checksum_of_bytes(std::span<const std::byte> bytes) {
   return std::to_string(bytes.empty() ? 0 : crc32_z(0, first, bytes.size()));
 }
 
-// Returns the time of the last change of a mapped file, or the checksum of other bytes, which are small.
+// Returns the size and modification time of a mapped file, or the checksum of bytes in memory, which are few.
 std::string state_of(const SharedBytes& file) {
   struct stat status {};
   const int descriptor = file.file ? file.file->descriptor() : -1;
@@ -38,7 +38,7 @@ std::string state_of(const SharedBytes& file) {
          std::to_string(status.st_mtim.tv_nsec);
 }
 
-// Returns the count of the files below a folder, and a checksum of their names, sizes and times.
+// Returns the number of files below a folder, and a checksum of their names, sizes and times.
 std::string state_of_folder(const std::string& folder) {
   constexpr std::size_t kMostFiles = 10'000'000;
   std::size_t count = 0;
@@ -55,8 +55,8 @@ std::string state_of_folder(const std::string& folder) {
   return std::to_string(count) + " files, " + std::to_string(sum);
 }
 
-// Opens the files that a VTK file names, and those that they name. Opens each file once, because files may name
-// themselves.
+// Opens a VTK file and the files that it names, to a depth of kMostDepth. Opens a named file only once, because files
+// may name themselves.
 void open_members(VtkFiles& files) {
   constexpr int kMostDepth = 4;
   std::set<std::string> known;
@@ -75,7 +75,7 @@ void open_members(VtkFiles& files) {
   }
 }
 
-// Reports whether files_below() leaves a file out, such as the metadata of an array.
+// Reports whether files_below() omits a file, such as the metadata of an array.
 bool is_hidden_file(std::string_view reference) {
   return reference.substr(reference.rfind('/') + 1).starts_with('.');
 }
@@ -147,7 +147,7 @@ void note_files(const std::string& path, const SharedBytes& file, VolumeOrigin& 
                        container](std::span<const FileRequest> requests) {
     std::vector<FileResult> results = read(requests);
     for (std::size_t i = 0; i < std::min(results.size(), requests.size()); ++i)
-      // Of a container, the folder has the states of all files that are not hidden.
+      // For a container, add_folder_of() covers all files that are not hidden.
       if (const auto* const bytes = std::get_if<SharedBytes>(&results[i]);
           bytes && (!container || is_hidden_file(requests[i].reference)))
         states->add(name_of_request(requests[i]), *bytes);

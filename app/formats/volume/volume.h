@@ -30,7 +30,7 @@ struct VolumeOrigin {
   ReadFiles read_files = {};    // reads files of a container; null reads below the file's folder
   ListFolder list_folder = {};  // lists folders of a container; null with `read_files` means that none can be listed
   NeedBytes need = {};          // receives parts of the file from a server; null if the file is complete
-  std::shared_ptr<FileStates> states = {};  // notes the other files that are read; may be null
+  std::shared_ptr<FileStates> states = {};  // records the other files that are read; may be null
 };
 
 /// Returns the file that stands for a local folder of a scan (DICOM): the first one that is a volume. Returns an empty

@@ -31,7 +31,7 @@ void code_scale(Coder& coder, SplatModels& models, const SplatNode& parent, cons
   code.scales[0] = std::clamp(scale + change, 0, kMostScale >> coarse) << coarse;
 }
 
-/// Codes the smallest scale of a Gaussian of a tuned stream by its difference from the middle one.
+/// Codes the smallest scale in a tuned stream: the cell of its gap to the middle scale. `known` predicts the gap.
 template <class Coder>
 void code_thin_gap(Coder& coder, SplatModels& models, int known, SplatCode& code) {
   constexpr int kEscape = 15;
@@ -99,7 +99,7 @@ void code_opacity(Coder& coder, SplatModels& models, const SplatNode& parent, co
   code.opacity = std::clamp(opacity << coarse | coarse, 1, kMostOpacity);
 }
 
-/// Codes the bits that refine the scales and the opacity of a leaf.
+/// Codes the bits that refine the scales and the opacity of a leaf. Returns zeros for other Gaussians.
 template <class Coder>
 std::array<int, 4> code_fine(Coder& coder, const SplatCode& code, const Precision& precision) {
   std::array<int, 4> fine{};

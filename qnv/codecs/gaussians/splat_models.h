@@ -141,7 +141,7 @@ struct TreeModel {
     const std::uint32_t top = branches<4>(coder, high[context], value >> 2);
     return top << 2 | branches<2>(coder, low[top], value & 3);
   }
-  /// Codes a number from 0 to 15 by the first decisions.
+  /// Codes a number from 0 to 15 with the models of the first four decisions.
   template <class Coder>
   std::uint32_t code_short(Coder& coder, std::size_t context, std::uint32_t value) {
     return branches<4>(coder, high[context], value);

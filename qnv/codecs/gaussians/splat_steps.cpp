@@ -12,9 +12,9 @@ namespace {
 
 using Version = GaussianCoding::Version;
 
-// Steps of the most important Gaussians: places in standard deviations, turns of lines twice as long as wide.
+// Steps of the most important Gaussians: places in standard deviations, turns before the division by kTurnDivisors.
 constexpr double kPlaceStep = 0.1, kTurnStep = 0.18;
-// Largest factor of the steps of places and turns of less important Gaussians, in eighths of an octave.
+// log2 of the largest factor of the steps of places and turns of less important Gaussians, in eighths.
 constexpr int kMostPlaceLess = kScaleSteps;
 /// Steps that differ between the versions.
 struct CodingSteps {
@@ -31,14 +31,14 @@ constexpr const CodingSteps& coding_steps(bool trained) { return trained ? kTrai
 struct LeafSteps {
   int place, turn, color;    // of kPlaceStep, kTurnStep and the colour of trained streams
   int scale, opacity;        // of a code
-  int most_more, most_less;  // for leaves that are more and less important
+  int most_more, most_less;  // limits for more and for less important leaves
   int lift;                  // share of the gap to the next scale, in eighths, by which thin axes count as wider
-  int thin;                  // factor, in eighths, of the same gap; the scale of a thin axis has larger steps
-  int floor;                 // axes below Precision::finest times this factor count as important as one of this size
+  int thin;                  // share of this gap, in eighths, by which the steps of the smallest scale are larger
+  int floor;                 // importance() counts smaller axes as Precision::finest times this factor
 };
 constexpr LeafSteps kLeafSteps{-2, -6, 8, 8, 3, 8, 16, 3, 11, 28};
-// Harmonics of degree 1 to 3 have mean squares of 1 / 4 pi. With this step, their errors are as large as that of a
-// colour.
+// The basis functions of degree 1 to 3 have a mean square of 1 / 4 pi. With this step, the error of a coefficient is as
+// visible as that of a colour.
 constexpr double kTunedHarmonics = 3.5;
 constexpr int kMostFineBits = 8;
 
@@ -46,10 +46,10 @@ constexpr int kMostFineBits = 8;
 constexpr int kThinScales = 3 * kScaleSteps;
 constexpr double kLeastTurnStep = 0.01, kLeastTunedTurnStep = 0.0005, kMostTurnStep = 0.35;
 
-/// Returns a point of an interval that is divided into 2^bits parts.
+/// Returns the middle of a part of the unit interval, which has 2^bits parts.
 double middle_of(int part, int bits) { return (part + 0.5) / (1 << bits); }
 
-/// Returns the part that contains a point of the unit interval.
+/// Returns the part of the unit interval that contains a point. The interval has 2^bits parts.
 int part_of(double at, int bits) {
   const int parts = 1 << bits;
   return static_cast<int>(std::clamp(std::floor(at * parts), 0.0, static_cast<double>(parts - 1)));
@@ -76,19 +76,19 @@ constexpr auto kFaint = [] {
   return all;
 }();
 
-/// Returns log2 of the root of the factor by which a Gaussian is less important than those with usual steps, in
-/// eighths.
+/// Compares the importance of a Gaussian with that of Gaussians with usual steps. Returns log2 of the root of the
+/// ratio, in eighths; positive if the Gaussian is less important.
 int less_important(const SplatCode& code, const Precision& precision) {
   return (precision.important - importance(code.scales, code.opacity, precision)) / 2;
 }
 
-/// Returns the number of bits that divide a width into steps. Both are log2 in eighths.
+/// Returns the number of bits that divide a width into parts of about a step. Both arguments are log2, in eighths.
 int bits_for(int width, int step) {
   constexpr int kShift = 100;  // octaves, so that the division rounds down
   return std::clamp((width - step + kScaleSteps / 2 + kShift * kScaleSteps) / kScaleSteps - kShift, 0, kMostFineBits);
 }
 
-/// Returns the deviation of the smallest scale of a leaf of a tuned stream.
+/// Returns the shortest standard deviation of a leaf of a tuned stream.
 double thin_scale(const SplatNode& node, int bits) {
   const GapCell cell = cell_of_gap(node.scales[1] - node.scales[2]);
   const double gap = cell.lower - 0.5 + cell.width * middle_of(node.fine[2], bits);
@@ -99,7 +99,7 @@ SplatSteps leaf_steps(const SplatCode& code, const Precision& precision) {
   SplatSteps steps{};
   const int less = std::clamp(less_important(code, precision), -kLeafSteps.most_more, kLeafSteps.most_less);
   const int all = precision.steps + less;
-  // Seen from all sides, the width across a thin axis is between its own one and that of the next axis.
+  // In the mean of all views, the width across a thin axis lies between its own deviation and that of the next axis.
   const int lift = (code.scales[1] - code.scales[2]) * kLeafSteps.lift / kScaleSteps;
   for (std::size_t k = 0; k < 3; ++k) {
     const int own = code.scales[k] + (k == 2 ? lift : 0);
@@ -154,7 +154,7 @@ double harmonic_factor(const Precision& precision) {
 }
 
 int importance(const std::array<int, 3>& scales, int opacity, const Precision& precision) {
-  // The picture of a tiny splat has the size of a pixel.
+  // Renderers draw a tiny splat as large as a pixel.
   const int least = precision.tuned() ? precision.finest + kLeafSteps.floor : 0;
   return std::max(scales[0], least) + std::max(scales[1], least) + 2 * kFaint[static_cast<std::size_t>(opacity)];
 }
@@ -164,7 +164,7 @@ SplatSteps steps_of(const SplatCode& code, const Precision& precision) {
   SplatSteps steps{};
   const CodingSteps& coding = coding_steps(precision.trained());
   const double factor = power_of(std::clamp(less_important(code, precision), 0, coding.most_less));
-  // Leaves replace all other Gaussians of a complete stream, so finer steps of tuned streams are for leaves alone.
+  // Only leaves of tuned streams get finer steps, because they replace all other Gaussians of a complete stream.
   const double inner =
       (code.leaf ? 1 : coding.inner) * power_of(precision.tuned() ? std::max(precision.steps, 0) : precision.steps);
   const double fine = inner * std::min(factor, power_of(kMostPlaceLess));
@@ -208,7 +208,7 @@ FineBits fine_bits(const SplatCode& code, const Precision& precision) {
     return precision.steps + std::clamp(less + more, -kLeafSteps.most_more, kLeafSteps.most_less);
   };
   const int gap = code.scales[1] - code.scales[2], scale = step(0) + kLeafSteps.scale;
-  int width = 0;  // of the cell
+  int width = 0;  // log2 of the width of the cell, in eighths
   for (int left = cell_of_gap(gap).width; left > 1; left /= 2) width += kScaleSteps;
   const int wide = bits_for(0, scale), thin = bits_for(width, scale + gap * kLeafSteps.thin / kScaleSteps);
   // The opacities of faint Gaussians matter as much as those of others with the same area.

@@ -12,11 +12,11 @@ namespace gs::qnv::gaussians {
 /// Largest errors of final Gaussians. The first number of an array holds for important Gaussians, the second one for
 /// all.
 struct SplatErrors {
-  std::array<double, 2> place;  // in deviations along each axis; a thin axis counts as wider (FORMAT.md)
+  std::array<double, 2> place;  // in standard deviations along each axis; a thin axis counts as wider (FORMAT.md)
   std::array<double, 2> color;
-  std::array<double, 2> scale;    // relative to the deviation, of the two longer axes
-  std::array<double, 2> thin;     // relative to the deviation, of the shortest axis
-  std::array<double, 2> opacity;  // of splats below half a step, which keep the least opacity
+  std::array<double, 2> scale;    // of the two longer axes, relative to the deviation
+  std::array<double, 2> thin;     // of the shortest axis, relative: first if about as long as the next one, then all
+  std::array<double, 2> opacity;  // largest for splats below half a step, which have the minimum opacity
 };
 [[nodiscard]] SplatErrors splat_errors(const GaussianCoding& coding);
 /// Returns the errors of streams that the encoder writes with such steps.
@@ -31,7 +31,7 @@ struct SplatErrors {
 /// Returns the steps of a Gaussian with known scales and opacity.
 [[nodiscard]] SplatSteps steps_of(const SplatCode& code, const Precision& precision);
 
-/// Cell of the code of a gap between scales. Larger gaps have wider cells, because thin Gaussians look alike.
+/// Range of gaps between the two smaller scales. Larger gaps have wider cells, because thin Gaussians look alike.
 struct GapCell {
   int lower = 0, width = 1;
 
@@ -39,17 +39,17 @@ struct GapCell {
   [[nodiscard]] int middle() const { return lower + width / 2; }
 };
 [[nodiscard]] GapCell cell_of_gap(int gap);
-/// Return the number of a cell, and the cell with a number.
+/// Return the number of the cell of a gap, and the cell with a number.
 [[nodiscard]] int cell_index(int gap);
 [[nodiscard]] GapCell gap_cell(int index);
 
-/// Returns the code of the smallest scale that stands for all of its cell. Only leaves have cells of odd gaps.
+/// Returns the smallest scale that stands for its cell of gaps. Without `leaf`, cells count gaps in steps of two codes.
 [[nodiscard]] int thinned(int middle_scale, int least_scale, bool leaf);
 
 /// Numbers of bits that refine the codes of a leaf: its two larger scales, the smallest one, and its opacity.
 using FineBits = std::array<int, 4>;
 [[nodiscard]] FineBits fine_bits(const SplatCode& code, const Precision& precision);
-/// Returns the fine codes of a leaf with the given values. The codes of its scales and opacity are known.
+/// Returns the fine codes of a leaf with the given values. `code` already has the codes of its scales and opacity.
 [[nodiscard]] std::array<int, 4> fine_codes(const SplatCode& code, const std::array<double, 3>& scales, double opacity,
                                             const Precision& precision);
 

@@ -41,8 +41,8 @@ class ChunkList {
   [[nodiscard]] virtual std::optional<OutgoingChunk> chunk(std::size_t i) const = 0;
   /// Returns a chunk without reading its payload. The payload has the right length, but undefined bytes.
   [[nodiscard]] virtual std::optional<OutgoingChunk> outline(std::size_t i) const { return chunk(i); }
-  /// Returns a compact directory of the first chunks, or nullopt for a general one. `entries` have the offsets and
-  /// lengths; `box` is that of the stream.
+  /// Returns a compact directory, or nullopt for a general one. `entries` are those of the first chunks, with offsets
+  /// and lengths; `box` is that of the stream.
   [[nodiscard]] virtual std::optional<Listing> listing(std::span<const DirectoryEntry> /*entries*/,
                                                        const Box& /*box*/) const {
     return std::nullopt;

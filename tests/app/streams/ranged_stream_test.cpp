@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint64_t kFront = 65536, kDirectory = 12'100'000, kDirectoryBytes = 300'000;
 
-/// Loader that keeps all requests, and answers none.
+/// Loader that records all requests, and answers none.
 class KeptRequests final : public net::LoadRequests {
  public:
   net::RequestId request(net::Request request) override {
@@ -111,7 +111,7 @@ TEST_CASE("reads at most as many bytes of the front as the directory has, meanwh
 }
 
 TEST_CASE("requests less important chunks together with the important ones beside them") {
-  // Each third chunk is wanted, in an order without neighbours.
+  // The view wants every third chunk, in an order without neighbours.
   constexpr std::uint64_t kChunks = 4000, kBytes = 1000, kStep = 3000;
   Transfer all;
   for (std::uint64_t i = 0; i < kChunks; ++i)
@@ -138,7 +138,7 @@ TEST_CASE("requests less important chunks together with the important ones besid
 }
 
 TEST_CASE("requests hidden chunks of a stream without cuts after the visible ones") {
-  // Each tenth chunk is visible.
+  // Every tenth chunk is visible.
   constexpr std::uint64_t kChunks = 4000, kBytes = 3000, kVisible = 10;
   const auto requests = std::make_shared<OrderedChunks>();
   for (const bool visible : {true, false})

@@ -65,7 +65,7 @@ std::vector<DirectoryEntry> random_entries(std::size_t count, std::uint32_t seed
       if (random() % 5 > 0 && parent.level < 40) {
         ++entry.level;
         entry.vectors = static_cast<std::uint32_t>(1 + random() % 300);
-        // Some boxes exceed that of their parent.
+        // Some boxes exceed the box of their parent.
         entry.box = part_of(random() % 10 == 0 ? kWhole : parent.box, random);
         clusters.push_back(entry);
       }
@@ -83,8 +83,8 @@ std::vector<DirectoryEntry> read_clusters(std::span<const Bytes> payloads) {
   return entries;
 }
 
-/// Checks that two boxes are equal, apart from rounding to 1/65535 of the whole one and, of the second, to 1/32 of its
-/// parent's.
+/// Checks that `outer` contains `inner`. On each side, it may be larger by 1/32 of `parent`, plus the rounding to
+/// 1/65535 of the whole box.
 void check_contains(const Box& outer, const Box& inner, const Box& parent) {
   for (int axis = 0; axis < 3; ++axis) {
     const float rounding = kWhole.size()[axis] / 65535 * 2 + 1e-5f;

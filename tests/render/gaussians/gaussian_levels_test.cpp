@@ -151,7 +151,7 @@ TEST_CASE("draws all Gaussians of a file at once after a motion if changes do no
   rest.fades = false;
   CHECK(levels.cut(all, rest, false, pending) == nullptr);
   CHECK_FALSE(pending);
-  // The next motion starts as fine as the Gaussians.
+  // The next motion starts with a cut as fine as the Gaussians of the file.
   const Runs* const runs = levels.cut(all, motion_of(view_from(20), 2.5f, 1.1), false, pending);
   REQUIRE(runs);
   CHECK(decibels(picture(all, runs, view_from(20)), picture(all, nullptr, view_from(20))) > 40);
@@ -227,7 +227,7 @@ TEST_CASE("charges levels to the budget of the world, and does without if it ref
   CHECK_FALSE(levels.working());
   CHECK_FALSE(draw(levels, small));
   CHECK(small->used(Resource::vectors) == 0);
-  // Once other data is freed, the Gaussians get their levels.
+  // After other data is freed, the Gaussians get their levels.
   {
     Share other(budget, Resource::vectors);
     REQUIRE(other.grow(budget->left(Resource::vectors)));

@@ -64,8 +64,8 @@ class ArrayFile {
   virtual void prepare(std::size_t, std::span<const ArrayBox>) {}
   /// Returns the rows of an array of characters as texts; none if it is another array, or long.
   [[nodiscard]] virtual std::vector<std::string> texts(std::size_t array);
-  /// Returns the maximum count of elements that were written, by the chunks that exist. The others have the fill value.
-  /// Returns nullopt if it is unknown.
+  /// Returns an upper bound of the number of elements that were written. Other elements have the fill value. Counts the
+  /// elements of all stored chunks. Returns nullopt if the bound is unknown.
   [[nodiscard]] virtual std::optional<std::uint64_t> written(std::size_t) { return std::nullopt; }
   /// Returns a message about parts that could not be read so far and are shown as missing, or an empty text.
   [[nodiscard]] virtual std::string trouble() const { return {}; }

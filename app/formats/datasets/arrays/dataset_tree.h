@@ -62,8 +62,8 @@ class DatasetTree {
 /// Returns the part of a path after its last slash, and the part before it ("/" for the root).
 [[nodiscard]] std::string name_of_path(std::string_view path);
 [[nodiscard]] std::string folder_of_path(std::string_view path);
-/// Returns a message if most of `count` elements of a large array were never written. Reading all of them would take
-/// long, although the file is small. Returns an empty text otherwise.
+/// Returns a message if over 16.7 million of the `count` elements of an array were never written. Reading them would
+/// take long, although the file is small. Otherwise, or if the written elements are unknown, returns an empty text.
 [[nodiscard]] std::string unwritten_problem(ArrayFile& file, std::size_t array, double count);
 /// Converts numbers as ArrayFile::read() gives them to doubles.
 [[nodiscard]] std::vector<double> doubles_of(NumberType type, std::span<const std::byte> bytes);

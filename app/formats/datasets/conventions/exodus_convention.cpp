@@ -275,7 +275,7 @@ std::optional<GridRows> exodus_grid(DatasetTree& tree, const DatasetEntry& entry
     part.corners = {array->path, {}, 0, part.cells, element->corners, 1};
     const std::uint64_t rows = shown && shown->of_nodes ? part.points : part.cells;
     if (shown) part.values = variable_rows(tree, *shown, block, step, rows);
-    // The importer shows the values that a short array has.
+    // Leaves grids with a short array to the importer, which shows the values that exist.
     if (!part.values.empty() && tree.find(part.values.path)->shape.back() < rows) return std::nullopt;
     grid.has_values = grid.has_values || !part.values.empty();
     grid.parts.push_back(std::move(part));

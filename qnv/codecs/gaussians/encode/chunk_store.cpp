@@ -15,7 +15,7 @@ namespace {
 
 /// Candidate for the next chunk of the stream.
 struct ChunkCandidate {
-  std::uint32_t use = 0;     // rank_of() the gain per byte
+  std::uint32_t use = 0;     // rank_of() of the gain per byte
   std::uint32_t parent = 0;  // identifier
   std::uint32_t record = 0;
 };
@@ -26,10 +26,10 @@ struct FinishedHead {
   std::uint64_t bytes = 0;
 };
 
-// Rounds a gain per byte to four steps per octave. Chunks of equal rank have the order of their parents, so that the
+// Rounds a gain per byte down to four steps per octave. Chunks of equal rank have the order of their parents. So the
 // children of a cluster are consecutive, and the directory is short.
 std::uint32_t rank_of(double use) {
-  constexpr int kBelow = 50;  // lower bits of the fraction
+  constexpr int kBelow = 50;  // dropped bits of the fraction
   return use > 0 ? static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(use) >> kBelow) : 0;
 }
 

@@ -200,7 +200,7 @@ struct Best {
   std::uint32_t with = MergedNode::kNone;
 };
 
-/// Numbers for a rough estimate of costs. They are apart, because the search reads those of many neighbours.
+/// Input of rough_cost(). Stored apart from candidates, because the search reads the input of many neighbours.
 struct RoughBlob {
   glm::vec3 mean, color, spread;
   float weight;

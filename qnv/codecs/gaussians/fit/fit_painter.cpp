@@ -120,7 +120,7 @@ void FitPainter::for_tiles(const TileBox& box, const Each& each) const {
     for (std::size_t column = box.left; column <= box.right; ++column) each(row * across() + column);
 }
 
-// Uses pointers, because the standard library would check each index.
+// Lists the splats of each tile. Uses pointers, because the standard library would check each index.
 void FitPainter::fill_tiles() {
   first_.assign(tiles() + 1, 0);
   boxes_.resize(splats_.size());

@@ -77,7 +77,7 @@ class FitPainter {
   /// Projects a Gaussian. Returns false if it is not in view.
   bool project(const FitGaussian& one, const FitCamera& camera, FitSplat& splat, Seen& seen) const;
   void fill_tiles();
-  /// Tiles that a splat touches, inclusive.
+  /// First and last tiles that a splat touches.
   struct TileBox {
     std::uint32_t left, right, bottom, top;
   };

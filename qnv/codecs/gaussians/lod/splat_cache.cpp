@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t kClustersPerTask = 8, kUsualTasks = 16;
 // States of clusters may use 1 / kStatePart of the memory.
 constexpr std::size_t kStatePart = 2;
-// States keep 1 / kLeastStatePart of the memory, because they are in use while a view becomes finer.
+// shrink() leaves 1 / kLeastStatePart of the memory to states, because views that become finer need them.
 constexpr std::size_t kLeastStatePart = 4;
 // Typical size of a state, in bytes.
 constexpr std::size_t kTypicalState = 12'000;
@@ -331,7 +331,7 @@ void SplatCache::shrink_states() {
 void SplatCache::shrink(std::uint64_t now) {
   shrink_states();
   if (bytes_ <= most_bytes_) return;
-  // A state has about twice the bytes of the Gaussians of its cluster, and the same decoding restores both.
+  // Frees states first: one has about twice the bytes of its cluster's Gaussians, and one decoding restores both.
   const std::size_t most = most_bytes_ / 8 * 7, least_states = most_bytes_ / kLeastStatePart;
   if (state_bytes_ > least_states) drop_states(std::min(bytes_ - most, state_bytes_ - least_states));
   if (bytes_ <= most_bytes_) return;

@@ -82,10 +82,10 @@ class SplatCache : NonCopyable {
   [[nodiscard]] std::unique_ptr<Entry> made(std::uint32_t cluster, const DecodedCluster& decoded);
   void update_parents(std::span<const std::uint32_t> clusters);
   void keep(std::uint32_t cluster, std::unique_ptr<Entry> made, std::uint64_t now);
-  /// Reports whether a child of a cluster is not decoded, so that its decoding requires the state of the cluster.
+  /// Reports whether a child of a cluster is still to be decoded, which requires the state of the cluster.
   [[nodiscard]] bool is_state_needed(std::uint32_t cluster) const;
-  /// Frees states with together at least `bytes`: first those that no child requires now, then the least recently used
-  /// ones.
+  /// Frees at least `bytes` of states, if there are as many: first states that no child needs, then the others. Both
+  /// start with the least recently used ones.
   void drop_states(std::size_t bytes);
   void drop_state(std::uint32_t cluster);
   void drop(std::uint32_t cluster);

@@ -151,12 +151,12 @@ bool SplatChunks::take_restored(const ChunkRepair::Restored& chunk) {
   } else if (take_restored_cluster(sound->payload, chunk, why)) {
     return true;
   }
-  // Without a reason, the chunk is known.
+  // Without a reason, the chunk was already known.
   if (!why.empty()) problem(chunk.offset, std::move(why));
   return false;
 }
 
-// Replaces a damaged cluster by its restored chunk. Returns false and sets `why` if they contradict each other.
+// Replaces a damaged cluster by its restored chunk. Returns false and sets `why` if it does not suit the directory.
 bool SplatChunks::take_restored_cluster(std::span<const std::byte> payload, const ChunkRepair::Restored& chunk,
                                         std::string& why) {
   const auto packed = parse_cluster(payload);

@@ -32,7 +32,7 @@ constexpr double kFadeSeconds = 0.25;
 // At most 1 / kFadingPart of the cut may fade at the same time. Other changes are immediate.
 constexpr std::size_t kFadingPart = 2;
 constexpr std::size_t kLeastFading = 20'000;
-// Estimated size of the inner Gaussians of a missing cluster, relative to those that it replaces. Most are larger.
+// Estimated size of the inner Gaussians of a missing cluster, relative to those that it replaces. Usually too low.
 constexpr float kAheadSize = 0.3f;
 // Reach of a Gaussian, in standard deviations.
 constexpr float kSeenReach = 3.5f;
@@ -205,8 +205,8 @@ float SplatCutter::key_of(const SplatCluster& cluster, const LodView& view) cons
   return std::isfinite(key) ? key : 0;
 }
 
-// Adds descendants of missing clusters to the missing ones if the view will need them by estimation. So requests
-// need few round trips for deep levels, and their chunks are often next to each other in the stream.
+// Adds descendants of missing clusters to `lacking` if the view will probably need them. So deep levels need few round
+// trips, and requested chunks are often next to each other in the stream.
 void SplatCutter::look_ahead(const LodView& view, Viewport& viewport) const {
   std::priority_queue<SplatGuess> guesses;
   const auto add_children = [&](const SplatCluster& cluster, float size, float reach) {
@@ -335,7 +335,7 @@ void SplatCutter::choose(const LodView& view, Viewport& viewport, std::uint16_t 
       viewport.lacking.push_back({index, false});
     if (!cluster.present || !above || cluster.broken) continue;
     if (!cache_.has(index)) {
-      pending_ = pending_ || !cluster.waits;  // a repair reports its own end
+      pending_ = pending_ || !cluster.waits;  // the revision reports the end of a repair
       continue;
     }
     cache_.size_up(index);  // its parent may be decoded only since the selection

@@ -91,7 +91,7 @@ class SplatStream final : public ViewedStream {
   [[nodiscard]] bool pending() const { return cutter_.pending(); }
   /// Reports whether Gaussians of the last cut fade in or out.
   [[nodiscard]] bool fading() const { return cutter_.fading(); }
-  /// Reports whether another thread restores damaged chunks. When it ends, revision() increases.
+  /// Reports whether another thread restores damaged chunks. When the thread ends, revision() increases.
   [[nodiscard]] bool repairing() const { return chunks_.repairing(); }
 
   /// Does nothing, because cut() records its view.
@@ -110,7 +110,7 @@ class SplatStream final : public ViewedStream {
 
   [[nodiscard]] const StreamHeader& header() const { return chunks_.header(); }
   [[nodiscard]] const std::vector<StreamProblem>& problems() const { return chunks_.problems(); }
-  /// Returns a counter that increases with every received chunk, and when damaged chunks are restored.
+  /// Returns a counter that increases with every received chunk, and when a repair of damaged chunks ends.
   [[nodiscard]] std::uint64_t revision() const { return chunks_.revision() + (chunks_.repaired() ? 1 : 0); }
   [[nodiscard]] SplatStatistics statistics() const {
     return {chunks_.tree().present(), cache_.splats(), cache_.bytes(), cutter_.decoded()};

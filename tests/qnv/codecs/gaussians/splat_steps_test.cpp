@@ -184,10 +184,10 @@ TEST_CASE("steps of leaves grow with the root of their unimportance") {
   CHECK(gaussians::steps_of(code, precision).color == Approx(usual.color / 2));
   code.scales = {150, 150, 150};
   CHECK(gaussians::steps_of(code, precision).color == Approx(4 * usual.color));
-  // Sizes below that of a pixel do not matter.
+  // Deviations below a pixel count as one pixel.
   code.scales = {100, 100, 100};
   CHECK(gaussians::importance(code.scales, 63, precision) == gaussians::importance({220, 220, 220}, 63, precision));
-  // Finer steps of a stream change leaves only.
+  // Finer steps of a stream apply only to leaves.
   code.scales = {250, 250, 250};
   CHECK(gaussians::steps_of(code, tuned(-16)).color == Approx(usual.color / 4));
   code.leaf = false;

@@ -98,7 +98,7 @@ TEST_CASE("draws cuts with a clock while damaged chunks of Gaussians are restore
   CHECK(count_of(stream->cut(closest_view(), 2.0)) == first);
   const std::uint64_t revision = stream->revision();
   source->open();
-  // The revision reports that another cut has more.
+  // The revision increases, because another cut has more Gaussians.
   for (int i = 0; stream->revision() == revision && i < 10'000; ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   CHECK(stream->revision() == revision + 1);
