@@ -30,7 +30,7 @@ parser.add_argument("--share", type=float, default=-1.0, help="-1: the default o
 parser.add_argument("--seconds", type=float, default=20)
 parser.add_argument("--rate", type=int, default=0, help="bits per second; 0: no proxy")
 parser.add_argument("--rtt", type=int, default=40, help="milliseconds, with --rate")
-parser.add_argument("--port", type=int, default=0, help="of the simulation; 0: a free one")
+parser.add_argument("--port", type=int, default=0, help="port of the simulation; 0 means any free port")
 parser.add_argument("--display", type=int, default=97)
 parser.add_argument("--picture")
 options = parser.parse_args()
@@ -104,7 +104,7 @@ with tempfile.TemporaryDirectory() as folder:
         processes.append(simulation(folder))
         time.sleep(1)
         if processes[-1].poll() is not None:
-            sys.exit("the simulation ended; expected that port %d is free" % options.port)
+            sys.exit("the simulation ended; choose a free port with --port (was %d)" % options.port)
         port = options.port
         if options.rate:
             port = free_port()

@@ -3,7 +3,7 @@
 
 Draws each world three times: twice with --backend, first with empty shader caches of the driver, and once with
 --against. Prints the PSNR of both pictures and the seconds from the start of the program to the picture in its file.
-Fails if a picture is missing or unlike, or if the processor draws all of them.
+Fails if a picture is missing or differs, or if the processor draws all of them.
 
     scripts/checks/gpu_check.py                            the demo world and the splats and volumes of ../shared
     scripts/checks/gpu_check.py --world a.wrl --world b.ply --size 3840x2160
@@ -80,7 +80,7 @@ def name_of(world, more, number):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program", nargs="?", default=ROOT / "build/release/ghostspace")
-    parser.add_argument("--world", action="append", type=pathlib.Path, help="instead of the usual worlds; any number")
+    parser.add_argument("--world", action="append", type=pathlib.Path, help="world to draw instead of the usual ones; repeatable")
     parser.add_argument("--backend", default="auto", help="of the pictures to check [auto]")
     parser.add_argument("--against", default="osmesa",
                         help="backend of the reference, same:cpu for the other path of splats, or none [osmesa]")

@@ -193,7 +193,7 @@ TEST_CASE("encode together: --resume notices changes of the hidden metadata of a
   }
 }
 
-TEST_CASE("encode together: reads each file once that VTK files name, and themselves") {
+TEST_CASE("encode together: reads each file once if VTK files name it often, or themselves") {
   std::string text = R"(<VTKFile type="Collection"><Collection>)";
   for (int i = 0; i < 40; ++i)
     for (const char* const file : {"v.pvd", "none.vti"})

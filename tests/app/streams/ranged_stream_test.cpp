@@ -101,7 +101,7 @@ struct Transfer {
 
 }  // namespace
 
-TEST_CASE("reads at most as many bytes of the front as the directory has, meanwhile") {
+TEST_CASE("reads at most as many bytes of the front as the directory has, while it reads that") {
   Transfer all;
   REQUIRE(all.loader.requests.size() == 2);
   CHECK(all.loader.requests[0].ranges == std::vector{net::ByteRange{kDirectory, kDirectory + kDirectoryBytes}});

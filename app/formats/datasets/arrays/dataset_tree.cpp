@@ -33,7 +33,7 @@ std::string unwritten_problem(ArrayFile& file, std::size_t array, double count) 
   const auto written = file.written(array);
   if (!written || count - static_cast<double>(*written) <= kMostUnwritten) return {};
   return "the file states " + std::to_string(static_cast<std::uint64_t>(count)) + " elements, but at most " +
-         std::to_string(*written) + " were written; expected all";
+         std::to_string(*written) + " were written; the file is incomplete, write it again";
 }
 
 std::vector<double> doubles_of(NumberType type, std::span<const std::byte> bytes) {

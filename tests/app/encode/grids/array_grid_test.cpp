@@ -195,9 +195,11 @@ with h5py.File('cells.e', 'w') as f:
     return problem ? problem->message : std::string();
   };
   CHECK(problem_of("cells.vtkhdf") ==
-        "/VTKHDF/Types: the file states 2147483646 elements, but at most 1024 were written; expected all");
+        "/VTKHDF/Types: the file states 2147483646 elements, but at most 1024 were written; the file is incomplete, "
+        "write it again");
   CHECK(problem_of("cells.e") ==
-        "/connect1: the file states 17179869168 elements, but at most 8192 were written; expected all");
+        "/connect1: the file states 17179869168 elements, but at most 8192 were written; the file is incomplete, write "
+        "it again");
 }
 
 TEST_CASE("a grid in parts hides the cells of its import, with points in any order and with short variables") {

@@ -165,7 +165,7 @@ TEST_CASE("fine bits bring deviations and opacities of leaves within the stated 
   }
 }
 
-TEST_CASE("steps of leaves grow with the root of their unimportance") {
+TEST_CASE("less important leaves have larger steps") {
   const Precision precision = tuned(0);
   SplatCode code;
   code.leaf = true;

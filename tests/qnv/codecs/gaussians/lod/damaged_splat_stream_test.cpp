@@ -229,7 +229,7 @@ TEST_CASE("a wrong directory of Gaussians is replaced by the chunks") {
   CHECK(count_of(stream->cut(closest_view())) == 3000);
 }
 
-TEST_CASE("a compact directory of Gaussians with wrong offsets is replaced by the chunks") {
+TEST_CASE("reads the chunks if a directory of clusters has wrong offsets") {
   const EncodedStream encoded = encoded_cloud(3000);
   auto entries = read_directory(*memory_source(encoded.bytes), encoded.header);
   REQUIRE(entries.size() == encoded.header.chunks);
