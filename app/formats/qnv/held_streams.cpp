@@ -38,6 +38,17 @@ std::shared_ptr<qnv::LodStream> hold_levels(std::unique_ptr<qnv::LodStream> stre
   return {held, held->stream.get()};
 }
 
+qnv::SplatLimits cut_limits(std::uint64_t share, std::optional<std::uint64_t> arrived) {
+  qnv::SplatLimits limits;
+  limits.cache_bytes = std::min<std::size_t>(limits.cache_bytes, share / 2);
+  limits.cut_bytes = std::min<std::size_t>(limits.cut_bytes, share / 2);
+  if (!arrived) return limits;
+  limits.arrived_bytes = (std::size_t{1} << 20) + *arrived;
+  // Views of a large stream keep many received chunks. The cache leaves them up to a quarter of its memory.
+  limits.cache_bytes -= std::min<std::size_t>(limits.cache_bytes / 4, *arrived);
+  return limits;
+}
+
 std::shared_ptr<qnv::SplatStream> hold_cuts(std::unique_ptr<qnv::SplatStream> stream, const WorldBudget& budget,
                                             bool grows) {
   struct Held {
@@ -48,22 +59,20 @@ std::shared_ptr<qnv::SplatStream> hold_cuts(std::unique_ptr<qnv::SplatStream> st
   // of the remaining budget.
   constexpr std::uint64_t kAtLeast = std::uint64_t{16} << 20, kMaxCounted = std::uint64_t{1} << 40, kParts = 3;
   const std::uint64_t each = qnv::bytes_of_splat(stream->header().gaussians.degree);
-  qnv::SplatLimits limits;
+  constexpr qnv::SplatLimits limits;
   const std::uint64_t wanted =
       std::min<std::uint64_t>(kAtLeast + kParts * each * std::min(stream->header().vectors, kMaxCounted),
                               limits.cache_bytes + limits.cut_bytes);
   auto held = std::make_shared<Held>(Held{std::move(stream), Share(budget, Resource::vectors), {}});
   (void)held->share.grow(std::min(wanted, budget->left(Resource::vectors) / 2));
-  limits.cache_bytes = std::min<std::size_t>(limits.cache_bytes, held->share.amount() / 2);
-  limits.cut_bytes = std::min<std::size_t>(limits.cut_bytes, held->share.amount() / 2);
   if (grows) {
     // The directory follows all chunks, so its offset is their total size.
     const std::uint64_t directory = held->stream->header().directory, left = budget->left(Resource::files) / 2;
     held->arrived = Share(budget, Resource::files);
     (void)held->arrived.grow(directory > 0 ? std::min(left, directory) : left / 2);
-    limits.arrived_bytes = (std::size_t{1} << 20) + held->arrived.amount();
   }
-  held->stream->set_limits(limits);
+  held->stream->set_limits(
+      cut_limits(held->share.amount(), grows ? std::optional(held->arrived.amount()) : std::nullopt));
   return {held, held->stream.get()};
 }
 

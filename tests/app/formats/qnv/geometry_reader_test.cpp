@@ -2,6 +2,7 @@
 #include "app/formats/qnv/geometry_reader.h"
 
 #include "app/formats/common/color_key.h"
+#include "app/formats/qnv/held_streams.h"
 #include "app/loading/world_loader.h"
 #include "qnv/codecs/gaussians/encode/gaussians_stream.h"
 #include "qnv/codecs/gaussians/lod/splat_stream.h"
@@ -16,8 +17,10 @@
 #include <glm/geometric.hpp>
 
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -140,4 +143,18 @@ TEST_CASE("keeps a stream of Gaussians encoded for views, and decodes all of it 
     CHECK(gaussians.stream->header().vectors == 3000);
     CHECK(gaussians.stream->whole().decode(10'000).size() == 3000);
   }
+}
+
+TEST_CASE("received chunks of Gaussians take a part of the memory of the cache") {
+  constexpr std::uint64_t kMegabyte = 1 << 20;
+  const qnv::SplatLimits usual, local = cut_limits(2048 * kMegabyte, std::nullopt);
+  CHECK(local.cache_bytes == usual.cache_bytes);
+  CHECK(local.cut_bytes == usual.cut_bytes);
+  const qnv::SplatLimits remote = cut_limits(2048 * kMegabyte, 1024 * kMegabyte);
+  CHECK(remote.cache_bytes == usual.cache_bytes / 4 * 3);
+  CHECK(remote.cut_bytes == usual.cut_bytes);
+  CHECK(remote.arrived_bytes == 1025 * kMegabyte);
+  const qnv::SplatLimits small = cut_limits(40 * kMegabyte, 2 * kMegabyte);
+  CHECK(small.cache_bytes == 18 * kMegabyte);
+  CHECK(small.cut_bytes == 20 * kMegabyte);
 }
