@@ -40,7 +40,7 @@ class ViewNotes final : public qnv::ChunkRequests {
  private:
   static constexpr std::size_t kMostViews = 16;
 
-  const Box box_;  // unknown
+  const Box box_{};  // unknown
   mutable std::mutex mutex_;
   std::vector<qnv::LodView> views_;  // one per viewport, the latest last
 };

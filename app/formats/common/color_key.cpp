@@ -98,7 +98,7 @@ ColorKey color_key_of_choice(std::span<const float> values, std::string title, c
   const SurfaceColors& wanted = choice.colors;
   std::vector<vrml::Color> colors;
   for (const glm::vec3& one : std::span(wanted.map).first(std::min(wanted.map.size(), kMaxKeyColors)))
-    colors.emplace_back(std::clamp(one.x, 0.0f, 1.0f), std::clamp(one.y, 0.0f, 1.0f), std::clamp(one.z, 0.0f, 1.0f));
+    colors.push_back({std::clamp(one.x, 0.0f, 1.0f), std::clamp(one.y, 0.0f, 1.0f), std::clamp(one.z, 0.0f, 1.0f)});
   if (colors.size() < 2) colors = viridis_colors();
   ColorKey key = color_key_over(values, std::move(colors), std::move(title));
   if (choice.found) choice.found->range = {key.low, key.high};

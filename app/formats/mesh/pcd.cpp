@@ -60,8 +60,8 @@ void import_pcd(std::span<const std::byte> bytes, MeshBuilder& builder) {
     data.points.emplace_back(point);
     if (colors) {
       const auto rgb = PcdCloud::rgb_of(cloud.packed(*colors, i));
-      data.of_points.colors.emplace_back(static_cast<float>(rgb[0]) / 255, static_cast<float>(rgb[1]) / 255,
-                                         static_cast<float>(rgb[2]) / 255);
+      data.of_points.colors.push_back(
+          {static_cast<float>(rgb[0]) / 255, static_cast<float>(rgb[1]) / 255, static_cast<float>(rgb[2]) / 255});
     } else if (scalars) {
       data.of_points.values.push_back(static_cast<float>(cloud.number(*scalars, i)));
     }
