@@ -333,68 +333,6 @@ std::vector<std::byte> encode_chunk(ChunkType type, std::span<const std::byte> p
   return out;
 }
 
-BoxCodes box_codes(const Box& box, const Box& whole) {
-  BoxCodes codes{};
-  const glm::vec3 size = whole.size();
-  for (std::size_t i = 0; i < codes.size(); ++i) {
-    const bool lower = i < 3;
-    const auto axis = static_cast<int>(i % 3);
-    const float at = ((lower ? box.lower : box.upper)[axis] - whole.lower[axis]) / std::max(size[axis], 1e-30f) * 65535;
-    codes[i] = static_cast<std::uint16_t>(std::clamp(lower ? std::floor(at) : std::ceil(at), 0.0f, 65535.0f));
-  }
-  return codes;
-}
-
-Box box_of(const BoxCodes& codes, const Box& whole) {
-  const glm::vec3 step = whole.size() / 65535.0f;
-  Box box;
-  for (std::size_t i = 0; i < codes.size(); ++i) {
-    const auto axis = static_cast<int>(i % 3);
-    (i < 3 ? box.lower : box.upper)[axis] = whole.lower[axis] + static_cast<float>(codes[i]) * step[axis];
-  }
-  return box;
-}
-
-std::vector<std::byte> encode_directory(std::span<const DirectoryEntry> entries, const Box& box) {
-  constexpr std::size_t kInOne = kMaxChunkBytes / kDirectoryEntryBytes;
-  std::vector<std::byte> out;
-  for (std::size_t first = 0; first < entries.size(); first += kInOne) {
-    std::vector<std::byte> payload;
-    ByteWriter write(payload);
-    for (const DirectoryEntry& e : entries.subspan(first, std::min(kInOne, entries.size() - first))) {
-      write.integer(e.offset);
-      write.integer(static_cast<std::uint16_t>(e.bytes - kChunkHeaderBytes));
-      write.integer(e.level);
-      write.integer(std::uint8_t{0});
-      write.integer(e.parent);
-      write.integer(e.vectors);
-      for (const std::uint16_t code : box_codes(e.box, box)) write.integer(code);
-    }
-    const std::vector<std::byte> chunk = encode_chunk(ChunkType::directory, payload);
-    out.insert(out.end(), chunk.begin(), chunk.end());
-  }
-  return out;
-}
-
-std::vector<DirectoryEntry> decode_directory(std::span<const std::byte> payload, const Box& box) {
-  std::vector<DirectoryEntry> entries;
-  ByteReader read(payload);
-  while (read.left() >= kDirectoryEntryBytes) {
-    DirectoryEntry e;
-    e.offset = read.integer<std::uint64_t>();
-    e.bytes = static_cast<std::uint32_t>(read.integer<std::uint16_t>() + kChunkHeaderBytes);
-    e.level = read.integer<std::uint8_t>();
-    (void)read.integer<std::uint8_t>();
-    e.parent = read.integer<std::uint32_t>();
-    e.vectors = read.integer<std::uint32_t>();
-    BoxCodes codes{};
-    for (std::uint16_t& code : codes) code = read.integer<std::uint16_t>();
-    e.box = box_of(codes, box);
-    entries.push_back(e);
-  }
-  return entries;
-}
-
 void StreamReader::problem(std::uint64_t offset, std::string message) {
   if (problems_.size() < kMaxProblems) problems_.push_back({offset, std::move(message)});
 }

@@ -27,8 +27,9 @@ class KeptRequests final : public net::LoadRequests {
   std::vector<std::uint64_t> cancelled;
 };
 
-/// Stream with views that want given chunks.
-class WantingStream final : public qnv::ViewedStream {
+/// Requests of views that want given chunks, in their order.
+template <class Base>
+class Wanting : public Base {
  public:
   bool set_directory(std::span<const std::byte>) override { return true; }
   void note(const qnv::LodView&) override {}
@@ -38,33 +39,23 @@ class WantingStream final : public qnv::ViewedStream {
   [[nodiscard]] std::uint64_t directory() const override { return kDirectory; }
   [[nodiscard]] bool in_stream_order() const override { return false; }
   [[nodiscard]] std::vector<qnv::ChunkRange> wanted() const override { return chunks; }
+
+  std::vector<qnv::ChunkRange> chunks;
+
+ private:
+  Box box_;
+};
+
+/// Stream with views that want given chunks.
+class WantingStream final : public Wanting<qnv::ViewedStream> {
+ public:
   bool push(std::span<const std::byte>) override { return true; }
   void finish() override {}
   bool add(std::uint64_t, std::span<const std::byte>) override { return true; }
-
-  std::vector<qnv::ChunkRange> chunks;
-
- private:
-  Box box_;
 };
 
 /// Stream that the reader thread decodes, with chunks in the order of their importance.
-class OrderedChunks final : public qnv::ChunkRequests {
- public:
-  bool set_directory(std::span<const std::byte>) override { return true; }
-  void note(const qnv::LodView&) override {}
-  void forget(std::uint32_t) override {}
-  [[nodiscard]] std::vector<qnv::LodView> views() const override { return {}; }
-  [[nodiscard]] const Box& box() const override { return box_; }
-  [[nodiscard]] std::uint64_t directory() const override { return kDirectory; }
-  [[nodiscard]] bool in_stream_order() const override { return false; }
-  [[nodiscard]] std::vector<qnv::ChunkRange> wanted() const override { return chunks; }
-
-  std::vector<qnv::ChunkRange> chunks;
-
- private:
-  Box box_;
-};
+using OrderedChunks = Wanting<qnv::ChunkRequests>;
 
 RangedStream::Place place_of_stream() {
   RangedStream::Place place;
